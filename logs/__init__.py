@@ -1,0 +1,1 @@
+"""logs: MCAP logs of runs, written, read, repaired and replayed."""

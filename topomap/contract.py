@@ -1,0 +1,159 @@
+"""The small Protocols through which the stack meets robots, worlds and its own methods.
+
+Everything a robot hands over is a read-only property over primitives, so that a simulator, a log or a driver for
+real hardware can own its own classes and fit structurally, without importing topomap.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from topomap.types import Alignment, Command, HomeVector
+    from topomap.vision.panorama import Panorama
+
+D = TypeVar("D")
+
+
+class MotionReading(Protocol):
+    """An odometry increment: forward [m], left [m], turn [rad], covariance (3, 3) of these, dt [s]."""
+
+    @property
+    def forward(self) -> float: ...
+    @property
+    def left(self) -> float: ...
+    @property
+    def turn(self) -> float: ...
+    @property
+    def covariance(self) -> NDArray[np.float64]: ...
+    @property
+    def dt(self) -> float: ...
+
+
+class RigReading(Protocol):
+    """How the recorded panorama was taken.
+
+    width W, height H [pixels]; horizon_row: the (fractional) row of eye level, 49.5 of 100; focal [pixels] of the
+    cylinder, W/(2 pi); camera_height [m]; forward_column: the recorded column that looks along the nose; clockwise:
+    whether recorded columns run clockwise (as people read a panorama) or counter-clockwise.
+    """
+
+    @property
+    def width(self) -> int: ...
+    @property
+    def height(self) -> int: ...
+    @property
+    def horizon_row(self) -> float: ...
+    @property
+    def focal(self) -> float: ...
+    @property
+    def camera_height(self) -> float: ...
+    @property
+    def forward_column(self) -> int: ...
+    @property
+    def clockwise(self) -> bool: ...
+
+
+class Reading(Protocol):
+    """What a robot senses in one step.
+
+    stamp_ns; image (H, W, 3) uint8 RGB as recorded (see rig), decoded from `encoded`, the very bytes that are logged;
+    ranges (W,) float32 [m] or None, entry j along bearing 2 pi j/W from the nose, counter-clockwise, NaN where
+    nothing was measured; motion: the increment since the previous reading; contact: the bumper is pressed; driven:
+    somebody else (a person, a script) has the wheels and commands are ignored.
+    """
+
+    @property
+    def stamp_ns(self) -> int: ...
+    @property
+    def image(self) -> NDArray[np.uint8]: ...
+    @property
+    def encoded(self) -> bytes: ...
+    @property
+    def ranges(self) -> NDArray[np.float32] | None: ...
+    @property
+    def motion(self) -> MotionReading: ...
+    @property
+    def rig(self) -> RigReading: ...
+    @property
+    def contact(self) -> bool: ...
+    @property
+    def driven(self) -> bool: ...
+
+
+class Robot(Protocol):
+    """A simulator, a replay, a data set or a driver for real hardware."""
+
+    def sense(self) -> Reading | None:
+        """Return the next reading, or None when the run is over."""
+
+    def act(self, command: Command) -> None:
+        """Set the wheels; they keep the command until the next one."""
+
+    def stop(self) -> None:
+        """Stop the wheels: always called, at the end, on Ctrl-C, after a crash or a lost sensor."""
+
+
+class Truth(Protocol):
+    """The true pose at a stamp, in the world's frame [m, rad], and whether the body touches something."""
+
+    @property
+    def stamp_ns(self) -> int: ...
+    @property
+    def x(self) -> float: ...
+    @property
+    def y(self) -> float: ...
+    @property
+    def heading(self) -> float: ...
+    @property
+    def contact(self) -> bool: ...
+
+
+class TruthSource(Protocol):
+    """Wired to the recorder and the metrics only; the stack never sees it."""
+
+    def truth(self) -> Truth | None: ...
+
+
+class ViewSource(Protocol):
+    """The view at a pose [m, rad], from a world or an image grid; for benches."""
+
+    def view(self, x: float, y: float, heading: float) -> Panorama: ...
+
+
+class Aligner(Protocol):
+    """Finds how the current view is turned against the goal view; pure."""
+
+    def align(self, current: Panorama, goal: Panorama, prior: float | None = None) -> Alignment:
+        """Return the alignment; `prior` is a rotation [rad] from odometry near which to search, where there is one."""
+
+
+class Needs(Protocol):
+    """What a homing method needs of its input, checked before use."""
+
+    @property
+    def compass(self) -> bool: ...
+    @property
+    def ranges(self) -> bool: ...
+    @property
+    def colour(self) -> bool: ...
+    @property
+    def camera_height(self) -> bool: ...
+
+
+class HomingMethod(Protocol[D]):
+    """A pure function of two described panoramas; D is what it keeps of a snapshot.
+
+    A method with `needs.compass` is given aligned panoramas; `claims_homing` is False for fields that can't home
+    alone, which are tested against their analytic field instead.
+    """
+
+    needs: ClassVar[Any]
+    claims_homing: ClassVar[bool]
+
+    def describe(self, panorama: Panorama) -> D: ...
+
+    def home(self, current: D, goal: D) -> HomeVector: ...
