@@ -1,0 +1,103 @@
+"""The few hot loops, compiled; each adds in a fixed order, so the same input gives the same bits."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+Complex64Array = NDArray[np.complex64]
+Complex128Array = NDArray[np.complex128]
+Float32Array = NDArray[np.float32]
+Float64Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]  # numba has no types
+def spectra_products(
+    spectra: Complex64Array, conjugate: Complex64Array, columns: int
+) -> tuple[Complex64Array, Float64Array]:
+    """Return sum over rows of spectra (N, R, F) times conjugate (R, F): (N, F), and each picture's mean power
+    (N,).
+
+    The power follows from the half spectrum (Parseval), every line but the first and the Nyquist line twice.
+    """
+    count, rows, lines = spectra.shape
+    products = np.zeros((count, lines), np.complex64)
+    powers = np.zeros(count)
+    single = lines - 1 if columns % 2 == 0 else lines
+    for n in range(count):
+        for r in range(rows):
+            for f in range(lines):
+                value = spectra[n, r, f]
+                products[n, f] += value * conjugate[r, f]
+                energy = value.real * value.real + value.imag * value.imag
+                powers[n] += energy if f == 0 or f == single else 2.0 * energy
+        powers[n] /= rows * columns * columns
+    return products, powers
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]  # numba has no types
+def scale_planes(
+    goal: Float32Array, current: Float32Array, goal_sum: Float32Array, current_sum: Float32Array, floor: float
+) -> Float32Array:
+    """Return the scale-plane stack (2 K + 1, n, 2 n) of two views' magnified columns (K + 1, R, n).
+
+    Plane K + k compares goal columns magnified by step^k with current ones (k >= 0), or current ones
+    magnified by step^-k with goal ones (k < 0), by NSAD: sum |a - b| / (sum |a| + sum |b| + floor). The last
+    axis runs over *minus* the current column, twice around, so that a search over rotations reads it forwards
+    without wrapping.
+    """
+    levels, rows, n = goal.shape
+    planes = np.empty((2 * levels - 1, n, 2 * n), np.float32)
+    total = np.empty(n, np.float32)
+    for plane in range(2 * levels - 1):
+        a = max(plane - levels + 1, 0)
+        b = max(levels - 1 - plane, 0)
+        for i in range(n):
+            total[:] = 0.0
+            for r in range(rows):
+                value = goal[a, r, i]
+                for j in range(n):
+                    total[j] += abs(value - current[b, r, j])
+            for m in range(n):
+                j = (n - m) % n
+                size = goal_sum[a, i] + current_sum[b, j] + floor
+                nsad = total[j] / size if size > 1e-6 else 1.0
+                planes[plane, i, m] = nsad
+                planes[plane, i, m + n] = nsad
+    return planes
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]  # numba has no types
+def warping_search(
+    planes: Float32Array,
+    shifts: IntArray,
+    scales: IntArray,
+    counts: IntArray,
+    alphas: IntArray,
+    first: int,
+    width: int,
+) -> Float32Array:
+    """Return min-warping's cost (A, width) over alphas (A,) and rotations first .. first + width - 1, in
+    columns.
+
+    shifts, scales (n, T), counts (n,): for each x = theta - alpha the shifts y that a landmark may have moved
+    by, with the plane of its magnification.
+    """
+    n = planes.shape[1]
+    cost = np.zeros((len(alphas), width), np.float32)
+    least = np.empty(width, np.float32)
+    for i in range(n):
+        for a in range(len(alphas)):
+            x = (i - alphas[a]) % n
+            least[:] = 2.0
+            for t in range(counts[x]):
+                row = planes[scales[x, t], i]
+                start = (first - i - shifts[x, t]) % n
+                for p in range(width):
+                    value = row[start + p]
+                    least[p] = value if value < least[p] else least[p]
+            for p in range(width):
+                cost[a, p] += least[p]
+    return cost / np.float32(n)

@@ -1,0 +1,179 @@
+"""Min-warping (H11): the movement and rotation under which one panorama's columns best explain another's.
+
+Möller, Krzykawski, Gerstmayr (2010), as METHODS.md states it: a landmark at bearing theta of the goal view,
+seen x = theta - alpha from the direction alpha of the movement goal -> current, appears y further on and
+larger by sigma = r_goal/r_current = sin(x + y)/sin x.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from topomap.geometry import TAU, FloatArray, wrap
+from topomap.types import Alignment, Float32Array, HomeVector
+from topomap.vision.compare import normalised, shrunk
+from topomap.vision.kernels import IntArray, scale_planes, warping_search
+from topomap.vision.panorama import Panorama
+
+
+@dataclass(frozen=True, slots=True)
+class WarpingSpec:
+    """The recipe: columns, rows [pixels] of the small views; levels magnifications step^k, k = 1 .. levels,
+    each way; floor: what is added to NSAD's denominator, in units of the mean column's, so that empty columns
+    don't shout.
+    """
+
+    columns: int = 72
+    rows: int = 100
+    levels: int = 4
+    step: float = 1.08
+    floor: float = 0.25
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WarpingView:
+    """What min-warping keeps of a panorama: vertical differences of its columns at each magnification about
+    the horizon, edges (levels + 1, R, n) float32, their absolute sums (levels + 1, n), and the bearing [rad]
+    of column 0.
+    """
+
+    edges: Float32Array
+    sums: Float32Array
+    first_bearing: float
+    spec: WarpingSpec
+
+
+def warping_view(panorama: Panorama, spec: WarpingSpec) -> WarpingView:
+    """Return the panorama as min-warping needs it, computed once per panorama and recipe."""
+    return panorama.derived(spec, lambda p: _warping_view(p, spec))
+
+
+def _warping_view(panorama: Panorama, spec: WarpingSpec) -> WarpingView:
+    small = normalised(shrunk(panorama, spec.columns, spec.rows))
+    rows, columns = small.shape
+    horizon = (panorama.rig.horizon_row + 0.5) * rows / panorama.rig.height - 0.5
+    stack = [_magnified(small, spec.step**k, horizon) for k in range(spec.levels + 1)]
+    edges = np.ascontiguousarray(np.diff(np.stack(stack), axis=1), np.float32)
+    bearing = 0.5 * (panorama.rig.width / columns - 1.0) * TAU / panorama.rig.width
+    return WarpingView(edges, np.abs(edges).sum(axis=1), bearing, spec)
+
+
+def _magnified(small: Float32Array, factor: float, horizon: float) -> Float32Array:
+    rows = horizon + (np.arange(small.shape[0], dtype=np.float32) - np.float32(horizon)) / np.float32(factor)
+    maps = np.meshgrid(np.arange(small.shape[1], dtype=np.float32), rows.astype(np.float32))
+    return np.asarray(
+        cv2.remap(small, maps[0], maps[1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE), np.float32
+    )
+
+
+@lru_cache(maxsize=8)
+def _movements(n: int, levels: int, step: float) -> tuple[IntArray, IntArray, IntArray]:
+    """Return for each x [columns] the shifts y [columns], (n, T), their planes (n, T) and how many there are
+    (n,).
+    """
+    rows = [_shifts(x, n, levels, step) for x in range(n)]
+    longest = max(len(row) for row in rows)
+    table = np.zeros((2, n, longest), np.int64)
+    for x, row in enumerate(rows):
+        table[:, x, : len(row)] = np.array(row).T
+    return table[0], table[1], np.array([len(row) for row in rows], np.int64)
+
+
+def _shifts(x: int, n: int, levels: int, step: float) -> list[tuple[int, int]]:
+    """Ahead and astern nothing shifts and only the size changes; abeam the shift fixes the size."""
+    angle = wrap(x * TAU / n)
+    if x == 0:
+        return [(0, plane) for plane in range(levels, 2 * levels + 1)]
+    if 2 * x == n:
+        return [(0, plane) for plane in range(levels + 1)]
+    found = []
+    for y in range(n // 2):
+        turned = angle + math.copysign(y * TAU / n, angle)
+        if abs(turned) >= math.pi - 1e-9:
+            break
+        plane = round(math.log(math.sin(turned) / math.sin(angle)) / math.log(step)) + levels
+        if 0 <= plane <= 2 * levels:
+            found.append((int(math.copysign(y, angle)), plane))
+    return found
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WarpingCost:
+    """The search's outcome: cost (n, P) over alpha [columns] and rotation first .. first + P - 1 [columns];
+    level: what a wrong movement and rotation costs, on average, in these two views; first_bearing [rad] of
+    column 0.
+    """
+
+    cost: Float32Array
+    first: int
+    level: float
+    first_bearing: float
+
+    @property
+    def whole(self) -> bool:
+        """Whether every rotation was searched."""
+        return bool(self.cost.shape[0] == self.cost.shape[1])
+
+
+def warp(
+    current: WarpingView, goal: WarpingView, prior: float | None = None, window: float = math.pi
+) -> WarpingCost:
+    """Search alpha everywhere and rotation within prior +- window [rad] (None: everywhere)."""
+    n = goal.edges.shape[2]
+    floor = goal.spec.floor * float(goal.sums[0].mean() + current.sums[0].mean())
+    planes = scale_planes(goal.edges, current.edges, goal.sums, current.sums, floor)
+    shifts, scales, counts = _movements(n, goal.spec.levels, goal.spec.step)
+    first, width = _rotations(prior, window, n)
+    cost = warping_search(planes, shifts, scales, counts, np.arange(n), first, width)
+    level = warping_search(planes, shifts, scales, counts, np.arange(0, n, 9), 0, n).mean(dtype=np.float64)
+    return WarpingCost(cost, first, float(level), goal.first_bearing)
+
+
+def _rotations(prior: float | None, window: float, n: int) -> tuple[int, int]:
+    half = math.ceil(window * n / TAU)
+    if prior is None or 2 * half + 1 >= n:
+        return 0, n
+    return round(prior * n / TAU) - half, 2 * half + 1
+
+
+def best(found: WarpingCost) -> Alignment:
+    """Return rotation, residual (the cost over a wrong one's: below 1, unrelated views 0.95) and home vector
+    of the least cost.
+
+    The confidence is how much the least cost stays below the same rotation's mean over all directions: none
+    where every direction explains the view alike (the goal itself, a blank wall, fog).
+    """
+    n = found.cost.shape[0]
+    alpha, turn = np.unravel_index(int(found.cost.argmin()), found.cost.shape)
+    d_alpha, d_turn = _refined(found, int(alpha), int(turn))
+    least, mean = float(found.cost[alpha, turn]), float(found.cost[:, turn].mean())
+    rotation = wrap((found.first + int(turn) + d_turn) * TAU / n)
+    direction = (int(alpha) + d_alpha) * TAU / n + found.first_bearing
+    confidence = min(max(1.0 - least / mean, 0.0), 1.0) if mean > 1e-9 else 0.0
+    home = HomeVector(wrap(direction + math.pi - rotation), None, confidence)
+    return Alignment(rotation, least / found.level if found.level > 1e-9 else 1.0, home)
+
+
+_GRID = np.array([(a, t) for a in (-1.0, 0.0, 1.0) for t in (-1.0, 0.0, 1.0)])
+_DESIGN = np.column_stack([np.ones(9), _GRID, _GRID**2, _GRID[:, 0] * _GRID[:, 1]])
+_SOLVE: NDArray[np.float64] = np.linalg.pinv(_DESIGN)
+
+
+def _refined(found: WarpingCost, alpha: int, turn: int) -> tuple[float, float]:
+    """Return the offset [columns] of the minimum of the quadratic through the 3 x 3 neighbourhood."""
+    n, width = found.cost.shape
+    if not found.whole and turn in (0, width - 1):
+        return 0.0, 0.0
+    rows, columns = np.arange(alpha - 1, alpha + 2) % n, np.arange(turn - 1, turn + 2) % width
+    fit: FloatArray = _SOLVE @ found.cost[np.ix_(rows, columns)].astype(np.float64).ravel()
+    bend = np.array([[2 * fit[3], fit[5]], [fit[5], 2 * fit[4]]])
+    if bend[0, 0] <= 1e-12 or np.linalg.det(bend) <= 1e-12:
+        return 0.0, 0.0
+    offset = np.clip(-np.linalg.solve(bend, fit[1:3]), -1.0, 1.0)
+    return float(offset[0]), float(offset[1])
