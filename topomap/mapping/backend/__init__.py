@@ -1,0 +1,16 @@
+"""The door to gtsam: a pose graph with unknown odometry errors in, corrected poses out."""
+
+from topomap.mapping.backend.problem import ClosureEdge, Closures, OdometryEdge, Problem, Solution, TurnEdge
+from topomap.mapping.backend.settings import BackendSettings
+from topomap.mapping.backend.solver import solve
+
+__all__ = [
+    "BackendSettings",
+    "ClosureEdge",
+    "Closures",
+    "OdometryEdge",
+    "Problem",
+    "Solution",
+    "TurnEdge",
+    "solve",
+]

@@ -1,0 +1,113 @@
+"""Poses and calibration together: errors, weights and one Gauss-Newton step."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from topomap.geometry import FloatArray, wrap_all
+from topomap.mapping.backend.blocks import Blocks, closure_blocks, odometry_blocks, turn_blocks
+from topomap.mapping.backend.linear import LinearSystem
+from topomap.mapping.backend.problem import IntArray, Problem
+from topomap.mapping.odometry import Calibration, EdgeIncrements
+
+LARGEST_STEP = np.array([0.1, 0.02, 0.1])  # of the calibration: keeps the linearisation honest
+
+
+def geman_mcclure(chi2: FloatArray, cutoff: float) -> FloatArray:
+    """Return the weights (n,) of squared errors (n,) (Yang et al. 2020, eq. 12, mu c^2 = cutoff^2)."""
+    return np.asarray((cutoff**2 / (chi2 + cutoff**2)) ** 2)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class State:
+    """An estimate: poses (N, 3) and calibration."""
+
+    poses: FloatArray
+    calibration: Calibration
+
+    def stepped(self, poses: FloatArray, calibration: FloatArray, length: float) -> State:
+        """Return the state moved by a share of a step of poses (N, 3) and calibration (3,)."""
+        moved = self.poses + length * poses
+        moved[:, 2] = wrap_all(moved[:, 2])
+        return State(moved, Calibration.of(self.calibration.vector() + length * calibration))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Linearised:
+    """All residuals at a state."""
+
+    odometry: Blocks
+    closures: Blocks
+    turns: Blocks
+    prior: FloatArray
+
+
+class Graph:
+    """A problem in one piece: evaluates and linearises it at any state."""
+
+    def __init__(self, problem: Problem, turn_cutoff: float) -> None:
+        self.problem = problem
+        self._edges = EdgeIncrements.of([e.increments for e in problem.odometry])
+        self._pairs = _pairs([(e.i, e.j) for e in problem.odometry])
+        self._turn_pairs = _pairs([(t.i, t.j) for t in problem.turns])
+        self._turns = np.array([(t.turn, t.sigma) for t in problem.turns]).reshape(-1, 2)
+        self._turn_cutoff = turn_cutoff
+        self._sigmas = np.array(problem.prior_sigmas)
+
+    def start(self) -> State:
+        """Return the problem's own estimate."""
+        return State(self.problem.poses, self.problem.calibration)
+
+    def linearise(self, state: State) -> Linearised:
+        """Return every residual at the state."""
+        edges = self._edges.integrate(state.calibration)
+        i, j = self._turn_pairs[:, 0], self._turn_pairs[:, 1]
+        return Linearised(
+            odometry_blocks(state.poses, state.calibration, self._pairs, edges),
+            closure_blocks(state.poses, self.problem.closures),
+            turn_blocks(state.poses, i, j, self._turns[:, 0], self._turns[:, 1]),
+            state.calibration.vector() - self.problem.prior.vector(),
+        )
+
+    def error(self, at: Linearised, weights: FloatArray) -> float:
+        """Return the squared error with closure weights (M,)."""
+        return self._firm(at) + float(weights @ at.closures.chi2())
+
+    def truncated_error(self, at: Linearised, cutoff: float) -> float:
+        """Return the squared error in which a closure costs at most cutoff^2 times its weight."""
+        limit = cutoff**2 * self.problem.closures.weight
+        return self._firm(at) + float(np.minimum(at.closures.chi2(), limit).sum())
+
+    def _firm(self, at: Linearised) -> float:
+        prior = float(((at.prior / self._sigmas) ** 2).sum())
+        chi2, cutoff2 = at.turns.chi2(), self._turn_cutoff**2
+        turns = float((chi2 * cutoff2 / (chi2 + cutoff2)).sum())
+        return float(at.odometry.chi2().sum()) + turns + prior
+
+    def system(self, at: Linearised, weights: FloatArray) -> LinearSystem:
+        """Return the linear system with closure weights (M,)."""
+        system = LinearSystem(len(self.problem.poses), self.problem.anchor)
+        system.add_calibration_prior(at.prior, self._sigmas)
+        system.add(at.odometry)
+        system.add(at.turns.weighted(geman_mcclure(at.turns.chi2(), self._turn_cutoff)))
+        system.add(at.closures.weighted(weights))
+        return system
+
+    def step(self, state: State, at: Linearised, weights: FloatArray) -> tuple[State, Linearised, float]:
+        """Return the state after a Gauss-Newton step, halved while that is worse, and its largest move."""
+        poses, calibration = self.system(at, weights).solve()
+        before = self.error(at, weights)
+        longest = 1.0 / max(1.0, float((np.abs(calibration) / LARGEST_STEP).max()))
+        for halvings in range(5):
+            length = longest * 0.5**halvings
+            moved = state.stepped(poses, calibration, length)
+            there = self.linearise(moved)
+            if self.error(there, weights) <= before * (1 + 1e-9) + 1e-9:
+                return moved, there, float(np.abs(poses).max()) * length
+        return state, at, 0.0
+
+
+def _pairs(pairs: list[tuple[int, int]]) -> IntArray:
+    return np.array(pairs, np.int64).reshape(-1, 2)
