@@ -150,7 +150,7 @@ def squared_differences(current: Signature, spectra: Complex64Array) -> NDArray[
 def parabola(
     below: NDArray[np.float64], here: NDArray[np.float64], above: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the offset (N,) in [-0.5, 0.5] and value (N,) of the minimum through three neighbouring samples."""
+    """Return the offset (N,) in [-0.5, 0.5] and value (N,) of the minimum through three neighbours."""
     bend = below - 2.0 * here + above
     safe = np.where(bend > 1e-12, bend, np.inf)
     offset = np.clip(0.5 * (below - above) / safe, -0.5, 0.5)
@@ -181,7 +181,7 @@ class SignatureBank:
         return self._count - 1
 
     def compare(self, current: Signature, first: int | None = None) -> RotationDifferences:
-        """Return the differences to the stored signatures [0, first), by default to all. Raises ShapeError."""
+        """Return the differences to the first stored signatures, by default to all. Raises ShapeError."""
         count = self._count if first is None else min(first, self._count)
         if count == 0:
             return RotationDifferences(np.empty(0, np.float32), np.empty(0))

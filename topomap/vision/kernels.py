@@ -101,3 +101,20 @@ def warping_search(
             for p in range(width):
                 cost[a, p] += least[p]
     return cost / np.float32(n)
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]  # numba has no types
+def absolute_differences(current: Float32Array, goal: Float32Array) -> Float64Array:
+    """Return the mean absolute difference (C,) of goal (R, C) and current (R, C) rolled by 0, 1, .. C-1 columns."""
+    rows, columns = goal.shape
+    total = np.zeros(columns, np.float32)
+    twice = np.empty(2 * columns, np.float32)
+    for r in range(rows):
+        for j in range(2 * columns):
+            twice[j] = current[r, (2 * columns - j) % columns]
+        for i in range(columns):
+            value = goal[r, i]
+            start = columns - i
+            for k in range(columns):
+                total[k] += abs(value - twice[start + k])
+    return total.astype(np.float64) / (rows * columns)

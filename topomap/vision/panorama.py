@@ -62,7 +62,7 @@ class Panorama:
         return round(angle * self.rig.width / TAU)
 
     def rolled(self, columns: int) -> Panorama:
-        """Return the panorama a robot turned by `columns` the other way (clockwise for positive) would see."""
+        """Return the panorama a robot turned by `columns` clockwise would see."""
         ranges = None if self.ranges is None else np.roll(self.ranges, columns)
         return Panorama(np.roll(self.image, columns, axis=1), ranges, self.rig)
 

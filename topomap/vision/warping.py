@@ -131,8 +131,8 @@ def warp(
     shifts, scales, counts = _movements(n, goal.spec.levels, goal.spec.step)
     first, width = _rotations(prior, window, n)
     cost = warping_search(planes, shifts, scales, counts, np.arange(n), first, width)
-    level = warping_search(planes, shifts, scales, counts, np.arange(0, n, 9), 0, n).mean(dtype=np.float64)
-    return WarpingCost(cost, first, float(level), goal.first_bearing)
+    sample = cost if width == n else warping_search(planes, shifts, scales, counts, np.arange(0, n, 9), 0, n)
+    return WarpingCost(cost, first, float(sample.mean(dtype=np.float64)), goal.first_bearing)
 
 
 def _rotations(prior: float | None, window: float, n: int) -> tuple[int, int]:

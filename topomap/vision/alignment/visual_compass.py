@@ -1,0 +1,55 @@
+"""A1, the visual compass: the rotation at which two pictures differ least (2.6)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from topomap.geometry import TAU, wrap, wrap_all
+from topomap.types import Alignment
+from topomap.vision.compare import Signature, SignatureSpec, parabola, signature, squared_differences
+from topomap.vision.kernels import absolute_differences
+from topomap.vision.panorama import Panorama
+
+Curve = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class VisualCompass:
+    """argmin over shifts k of the difference of goal and roll(current, k), to a fraction of a column (2.6).
+
+    spec: the pictures compared; form: squared differences, by Fourier transform, or absolute ones, as printed;
+    window [rad]: how far from a prior to search. The residual is the rms (ssd) or mean absolute (sad) difference.
+    """
+
+    spec: SignatureSpec = SignatureSpec(columns=180, rows=25, blur=0.0)
+    form: Literal["ssd", "sad"] = "ssd"
+    window: float = math.radians(45.0)
+
+    def align(self, current: Panorama, goal: Panorama, prior: float | None = None) -> Alignment:
+        """Return the rotation [rad] of least difference, within prior +- window where there is a prior."""
+        curve = self.curve(signature(current, self.spec), signature(goal, self.spec))
+        columns = len(curve)
+        allowed = curve if prior is None else np.where(self._near(columns, prior), curve, np.inf)
+        k = int(allowed.argmin())
+        around = curve[[(k - 1) % columns, k, (k + 1) % columns]]
+        offset, low = parabola(*around[:, np.newaxis])
+        residual = max(float(low[0]), 0.0)
+        return Alignment(
+            wrap((k + float(offset[0])) * TAU / columns),
+            math.sqrt(residual) if self.form == "ssd" else residual,
+        )
+
+    def curve(self, current: Signature, goal: Signature) -> Curve:
+        """Return the mean squared or absolute difference (C,) at every shift of the current picture."""
+        if self.form == "ssd":
+            return squared_differences(current, goal.spectrum[np.newaxis])[0]
+        return np.asarray(absolute_differences(current.pixels, goal.pixels), np.float64)
+
+    def _near(self, columns: int, prior: float) -> NDArray[np.bool_]:
+        apart = wrap_all(np.arange(columns) * (TAU / columns) - prior)
+        return np.abs(apart) <= max(self.window, TAU / columns)

@@ -1,0 +1,34 @@
+"""H11, min-warping as a homing method with its own compass."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+from topomap.types import HomeVector
+from topomap.vision.homing.needs import Needs
+from topomap.vision.panorama import Panorama
+from topomap.vision.warping import WarpingSpec, WarpingView, best, warp, warping_view
+
+
+@dataclass(frozen=True, slots=True)
+class MinWarping:
+    """The direction of the best (alpha, psi), reversed (H11); bearing only.
+
+    window [rad]: how far the views may be turned against each other, pi for any rotation.
+    """
+
+    needs: ClassVar[Needs] = Needs()
+    claims_homing: ClassVar[bool] = True
+    spec: WarpingSpec = WarpingSpec()
+    window: float = math.pi
+
+    def describe(self, panorama: Panorama) -> WarpingView:
+        """Return the view's magnified edge columns."""
+        return warping_view(panorama, self.spec)
+
+    def home(self, current: WarpingView, goal: WarpingView) -> HomeVector:
+        """Return the bearing [rad] of the goal in the current robot's frame."""
+        found = best(warp(current, goal, 0.0, self.window)).home
+        return found or HomeVector(0.0, None, 0.0)

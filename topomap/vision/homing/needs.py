@@ -1,0 +1,27 @@
+"""What a homing method needs of its input, and the check before it is used."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from topomap.contract import Needs as NeedsContract
+from topomap.errors import DataError
+from topomap.vision.panorama import Panorama
+
+
+@dataclass(frozen=True, slots=True)
+class Needs:
+    """compass: aligned panoramas; ranges, colour, camera_height: what the robot must provide."""
+
+    compass: bool = False
+    ranges: bool = False
+    colour: bool = False
+    camera_height: bool = False
+
+
+def check(needs: NeedsContract, panorama: Panorama) -> None:
+    """Raise DataError when the panorama lacks what the method needs."""
+    if needs.ranges and panorama.ranges is None:
+        raise DataError("this homing method needs measured ranges, and the panorama has none")
+    if needs.camera_height and panorama.rig.camera_height <= 0.0:
+        raise DataError("this homing method needs the camera's height, and the rig doesn't tell it")
