@@ -1,0 +1,76 @@
+"""The summary's rows for people: a terminal's table and the report's first page."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+Summary = dict[str, object]
+Part = Mapping[str, object]
+MISSING = "-"
+
+
+def table_rows(summary: Summary) -> list[tuple[str, str]]:
+    """Return label and value of each row of the small table; what doesn't apply is a dash."""
+    closures, home = _part(summary, "closures"), _part(summary, "home")
+    return [
+        ("world", f"{summary['world']}, seed {_text(summary['seed'])}"),
+        ("driven", f"{_text(summary['distance_m'], '.1f')} m in {_text(summary['steps'])} steps"),
+        ("speed", f"{_text(summary['steps_per_s'], '.0f')} steps/s"),
+        ("snapshots", _text(summary["snapshots"])),
+        ("closures", _closures(closures)),
+        ("recall", f"{_share(closures['recall'])} of {_text(closures['possible'])} possible"),
+        ("dead reckoning ATE", _ate(_part(summary, "dead_reckoning_ate_m"))),
+        ("online ATE", _ate(_part(summary, "online_ate_m"))),
+        ("map ATE", _ate(_part(summary, "map_ate_m"))),
+        ("rotation scale", _scale(_part(summary, "rotation_scale"), ".4f", "")),
+        ("distance scale", _scale(_part(summary, "distance_scale"), ".4f", "")),
+        ("curvature", _scale(_part(summary, "curvature"), ".5f", " rad/m")),
+        ("home", _home(home)),
+        ("graph hash", str(summary["graph_hash"])[:16] or MISSING),
+    ]
+
+
+def _part(summary: Summary, key: str) -> Part:
+    part = summary[key]
+    assert isinstance(part, Mapping)
+    return part
+
+
+def _text(value: object, form: str = "") -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return format(value, form) if isinstance(value, int | float) else MISSING
+
+
+def _share(value: object) -> str:
+    return f"{100 * value:.0f} %" if isinstance(value, int | float) else MISSING
+
+
+def _closures(part: Part) -> str:
+    return (
+        f"{part['accepted']} accepted of {part['proposed']} proposed, {_text(part['false'])} false,"
+        f" {_text(part['gross'])} gross"
+    )
+
+
+def _ate(part: Part) -> str:
+    return f"{_text(part['se2'], '.3f')} m SE(2), {_text(part['sim2'], '.3f')} m Sim(2)"
+
+
+def _scale(part: Part, form: str, unit: str) -> str:
+    sigma, true = _text(part["sigma"], form), _text(part["true"], form)
+    if part["found"] is None:
+        return f"unobserved, true {true}{unit}" if part["sigma"] is not None else MISSING
+    return f"{_text(part['found'], form)} ± {sigma}, true {true}{unit}"
+
+
+def _home(part: Part) -> str:
+    if part["asked"] is None:
+        return "- (a replay can't change the drive)"
+    if not part["asked"]:
+        return "not asked"
+    said = "claimed" if part["claimed"] is True else "not claimed"
+    return (
+        f"{said}, within 0.3 m: {_text(part['within_0_3_m'])}, error {_text(part['error_m'], '.2f')} m,"
+        f" path ratio {_text(part['path_ratio'], '.2f')}, collisions {_text(part['collisions'])}"
+    )
