@@ -1,0 +1,65 @@
+"""The driver: follows the designated route, sees the truth, and hands over at the end."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from sim2d.config import BodyConfig, DriverConfig
+from sim2d.path import Path
+
+WINDOW = 0.6  # [m] how far ahead on the path the robot may have got in one step
+STEPS_TO_BRAKE = 2.0
+
+
+class Driver:
+    """Steers at a point on the path ahead (pure pursuit); `progress` [m] only grows."""
+
+    def __init__(self, path: Path, config: DriverConfig, body: BodyConfig) -> None:
+        self.path = path
+        self.progress = 0.0
+        self._config = config
+        self._body = body
+
+    @property
+    def laps(self) -> float:
+        """Laps driven so far."""
+        return self.progress / self.path.lap
+
+    @property
+    def done(self) -> bool:
+        """Whether the route is driven."""
+        return self.path.length - self.progress < 0.02
+
+    def command(self, x: float, y: float, heading: float) -> tuple[float, float]:
+        """Return forward [m/s] and turn [rad/s] for the true pose; zeros when the route is over."""
+        self._follow(x, y)
+        if self.done:
+            return 0.0, 0.0
+        tx, ty = self._target()
+        bearing = math.remainder(math.atan2(ty - y, tx - x) - heading, math.tau)
+        if abs(bearing) > 1.2:
+            return 0.0, math.copysign(self._body.max_turn, bearing)
+        # the circle through the robot that touches its heading and meets the target
+        curvature = 2 * math.sin(bearing) / max(math.hypot(tx - x, ty - y), 0.05)
+        left = self.path.length - self.progress
+        speed = min(self._body.max_speed, max(0.05, left / (STEPS_TO_BRAKE * self._body.step)))
+        speed = min(speed, self._body.max_turn / max(abs(curvature), 1e-9))
+        return speed, speed * curvature
+
+    def _target(self) -> tuple[float, float]:
+        """Return the point to steer at; beyond the end it lies straight ahead."""
+        s = self.progress + self._config.lookahead
+        x, y = self.path.at(s)
+        beyond = max(0.0, s - self.path.length)
+        end = self.path.heading(self.path.length)
+        return x + beyond * math.cos(end), y + beyond * math.sin(end)
+
+    def _follow(self, x: float, y: float) -> None:
+        """Advance to the nearest point of the path within the window ahead."""
+        i, j = np.searchsorted(self.path.along, [self.progress, self.progress + WINDOW])
+        near = self.path.points[i : j + 1]
+        if len(near):
+            best = int(np.argmin(np.hypot(near[:, 0] - x, near[:, 1] - y)))
+            self.progress = max(self.progress, float(self.path.along[i + best]))

@@ -1,0 +1,47 @@
+"""The odometer: what the wheels say about the way, with errors that are drawn once and errors drawn every step."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from sim2d.config import OdometerConfig
+from sim2d.records import OdometerReading, TrueCalibration
+
+HALF_TRACK = 0.15  # [m] what the wheels roll per radian of turning on the spot
+
+
+class Odometer:
+    """Reads arcs; `drift` draws the systematic errors once, `noise` the random ones."""
+
+    def __init__(self, config: OdometerConfig, drift: np.random.Generator, noise: np.random.Generator) -> None:
+        self._config = config
+        self._noise = noise
+        factor = drift.uniform(1 - config.spread, 1 + config.spread, 3)
+        self.calibration = TrueCalibration(
+            rotation_scale=1 + (config.rotation_scale - 1) * float(factor[0]),
+            distance_scale=1 + (config.distance_scale - 1) * float(factor[1]),
+            curvature=config.curvature * float(factor[2]),
+        )
+
+    def read(self, forward: float, turn: float, dt: float) -> OdometerReading:
+        """Return the reading of a true arc: forward [m], turn [rad], taken in dt [s]."""
+        truth = self.calibration
+        travel = abs(forward) + HALF_TRACK * abs(turn)
+        sigma_forward = self._config.forward_noise * math.sqrt(travel)
+        sigma_turn = math.radians(self._config.turn_noise_deg) * math.sqrt(travel)
+        draws = self._noise.standard_normal(2)
+        return OdometerReading(
+            forward=truth.distance_scale * forward + sigma_forward * float(draws[0]),
+            left=0.0,
+            turn=truth.rotation_scale * turn + truth.curvature * forward + sigma_turn * float(draws[1]),
+            covariance=_covariance(sigma_forward, sigma_turn),
+            dt=dt,
+        )
+
+
+def _covariance(sigma_forward: float, sigma_turn: float) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
+    """Return (3, 3) of forward, left, turn; floors keep a standstill invertible."""
+    sideways = 0.25 * sigma_forward
+    return np.diag(np.square(np.maximum([sigma_forward, sideways, sigma_turn], [1e-4, 1e-4, 1e-5])))

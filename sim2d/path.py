@@ -1,0 +1,111 @@
+"""The driven line: a route's corners rounded off, as dense points with their length along the way."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim2d.errors import WorldError
+from sim2d.shapes import Point, Route
+
+SPACING = 0.02  # [m]
+RAMP = 1.0  # [m] over which a lateral offset sets in
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Path:
+    """Points (N, 2) [m], their distance along the line (N,) [m], and the length of one lap [m]."""
+
+    points: NDArray[np.float64]
+    along: NDArray[np.float64]
+    lap: float
+
+    @property
+    def length(self) -> float:
+        """The whole way [m]."""
+        return float(self.along[-1])
+
+    def at(self, s: float) -> tuple[float, float]:
+        """Return the point x, y [m] after s [m], held at the ends."""
+        return float(np.interp(s, self.along, self.points[:, 0])), float(np.interp(s, self.along, self.points[:, 1]))
+
+    def heading(self, s: float) -> float:
+        """Return the heading [rad] after s [m]."""
+        (x0, y0), (x1, y1) = self.at(max(0.0, s - SPACING)), self.at(s + SPACING)
+        return math.atan2(y1 - y0, x1 - x0)
+
+
+def of_route(route: Route, laps: float | None = None, offset: float = 0.0) -> Path:
+    """Return the path of a route, with other laps if given, shifted left by `offset` [m] from lap two on.
+
+    Raises WorldError where a tail would begin in the middle of a lap.
+    """
+    laps = route.laps if laps is None else laps
+    ring = [*route.ring, route.ring[0]]
+    lap = _length(rounded(ring, route.radius))
+    if route.tail and laps != round(laps):
+        raise WorldError(f"this route has a tail, so its laps must be whole, not {laps}")
+    corners = list(route.ring[:1]) + list(ring[1:]) * math.ceil(laps) + list(route.tail)
+    points = rounded(corners, route.radius)
+    if not route.tail:
+        points = _cut(points, laps * lap)
+    points = _shifted(points, lap, offset) if offset else points
+    return Path(points, _along(points), lap)
+
+
+def rounded(corners: Sequence[Point], radius: float) -> NDArray[np.float64]:
+    """Return an open polyline as points about 2 cm apart, each corner an arc of at most `radius` [m]."""
+    pieces = [np.array([corners[0]], dtype=np.float64)]
+    for a, b, c in zip(corners, corners[1:], corners[2:], strict=False):
+        pieces.append(_arc(np.array(a), np.array(b), np.array(c), radius))
+    pieces.append(np.array([corners[-1]], dtype=np.float64))
+    return _resampled(np.concatenate(pieces))
+
+
+def _arc(
+    a: NDArray[np.float64], b: NDArray[np.float64], c: NDArray[np.float64], radius: float
+) -> NDArray[np.float64]:
+    """Return the points of the arc that replaces corner b, or b itself on a straight line."""
+    u, v = (a - b) / np.linalg.norm(a - b), (c - b) / np.linalg.norm(c - b)
+    half = 0.5 * math.acos(float(np.clip(u @ v, -1, 1)))
+    if half > 0.5 * math.pi - 1e-6 or half < 1e-3:
+        return b[None]
+    room = 0.5 * min(np.linalg.norm(a - b), np.linalg.norm(c - b))
+    cut = min(radius / math.tan(half), float(room))
+    centre = b + (u + v) / np.linalg.norm(u + v) * cut / math.cos(half)
+    start = b + u * cut - centre
+    turn = (math.pi - 2 * half) * (1.0 if u[0] * v[1] - u[1] * v[0] < 0 else -1.0)
+    angles = np.linspace(0.0, turn, max(3, int(abs(turn) / 0.02)))
+    cos, sin = np.cos(angles), np.sin(angles)
+    return centre + np.stack([cos * start[0] - sin * start[1], sin * start[0] + cos * start[1]], axis=-1)
+
+
+def _along(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.concatenate([np.zeros(1), np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+
+
+def _length(points: NDArray[np.float64]) -> float:
+    return float(_along(points)[-1])
+
+
+def _resampled(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    along = _along(points)
+    s = np.linspace(0.0, along[-1], max(2, math.ceil(along[-1] / SPACING) + 1))
+    return np.stack([np.interp(s, along, points[:, 0]), np.interp(s, along, points[:, 1])], axis=-1)
+
+
+def _cut(points: NDArray[np.float64], length: float) -> NDArray[np.float64]:
+    return points[: int(np.searchsorted(_along(points), length)) + 1]
+
+
+def _shifted(points: NDArray[np.float64], lap: float, offset: float) -> NDArray[np.float64]:
+    """Return the points moved to the left from the second lap on, setting in over a ramp."""
+    tangent = np.gradient(points, axis=0)
+    tangent /= np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), 1e-12)
+    left = np.stack([-tangent[:, 1], tangent[:, 0]], axis=-1)
+    share = np.clip((_along(points) - lap) / RAMP, 0.0, 1.0)[:, None]
+    return points + offset * share * left

@@ -1,0 +1,113 @@
+"""The simulated robot: world, body, senses and driver behind `sense`, `act`, `stop` and `truth`."""
+
+from __future__ import annotations
+
+import math
+from typing import Protocol
+
+from sim2d.body import Body
+from sim2d.camera import Camera
+from sim2d.config import SimConfig
+from sim2d.driver import Driver
+from sim2d.laser import Laser
+from sim2d.odometer import Odometer
+from sim2d.path import of_route
+from sim2d.records import EPOCH_NS, OdometerReading, SimReading, SimTruth, TrueCalibration
+from sim2d.streams import stream
+from sim2d.world import World
+
+
+class Wheels(Protocol):
+    """A command: forward [m/s], turn [rad/s]."""
+
+    @property
+    def forward(self) -> float: ...
+    @property
+    def turn(self) -> float: ...
+
+
+class SimRobot:
+    """A robot in a world of its own. The driver has the wheels until the route is over; then commands count.
+
+    The first reading is at the start pose; each later `sense` first moves for one step. Same world, config, seed and
+    commands: same readings.
+    """
+
+    def __init__(self, world: World, config: SimConfig, seed: int) -> None:
+        self.world = world
+        self._config = config
+        self._driver = Driver(
+            of_route(world.spec.route, config.driver.laps, config.driver.lateral_offset), config.driver, config.body
+        )
+        path = self._driver.path
+        self._body = Body(world, config.body, *path.at(0.0), path.heading(0.0))
+        self._camera = Camera(config.camera, stream(seed, "image noise"))
+        self._laser = Laser(config.laser, stream(seed, "range noise"))
+        self._odometer = Odometer(config.odometer, stream(seed, "drift"), stream(seed, "odometry noise"))
+        self._wheels = (0.0, 0.0)
+        self._driven = True
+        self._stopped = False
+        self._steps = -1
+
+    @property
+    def true_calibration(self) -> TrueCalibration:
+        """The systematic odometry errors drawn for this run."""
+        return self._odometer.calibration
+
+    @property
+    def route_length_m(self) -> float:
+        """Length of the taught route [m]."""
+        return self._driver.path.length
+
+    @property
+    def expected_steps(self) -> int:
+        """About how many readings the taught route takes."""
+        return math.ceil(self.route_length_m / (self._config.body.max_speed * self._config.body.step)) + 3
+
+    def sense(self) -> SimReading | None:
+        """Move for one step (not before the first reading) and return what is sensed, or None after `stop`."""
+        if self._stopped:
+            return None
+        self._steps += 1
+        motion = self._move() if self._steps else self._odometer.read(0.0, 0.0, 0.0)
+        pose = self._body.x, self._body.y, self._body.heading
+        image, encoded = self._camera.shoot(self.world, *pose)
+        return SimReading(
+            stamp_ns=self._stamp(),
+            image=image,
+            encoded=encoded,
+            ranges=self._laser.scan(self.world, *pose),
+            motion=motion,
+            rig=self._camera.rig,
+            contact=self._body.contact,
+            driven=self._driven,
+        )
+
+    def act(self, command: Wheels) -> None:
+        """Set the wheels for the steps to come; ignored while the driver has them."""
+        if not self._driven and not self._stopped:
+            self._wheels = (float(command.forward), float(command.turn))
+
+    def stop(self) -> None:
+        """Stop the wheels for good."""
+        self._stopped = True
+        self._wheels = (0.0, 0.0)
+
+    def truth(self) -> SimTruth:
+        """Return the true pose at the last reading's stamp, in the world's frame."""
+        heading = math.remainder(self._body.heading, math.tau)
+        return SimTruth(self._stamp(), self._body.x, self._body.y, heading, self._body.contact)
+
+    def _move(self) -> OdometerReading:
+        """Drive one step and read the odometer."""
+        if self._driven:
+            self._wheels = self._driver.command(self._body.x, self._body.y, self._body.heading)
+            self.world.open_gates(self._driver.laps)
+            # the reading at standstill is the first that the stack answers
+            self._driven = not self._driver.done
+        dt = self._config.body.step
+        way, turn = self._body.advance(*self._wheels, dt)
+        return self._odometer.read(way, turn, dt)
+
+    def _stamp(self) -> int:
+        return EPOCH_NS + max(0, self._steps) * round(self._config.body.step * 1e9)

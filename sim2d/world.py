@@ -1,0 +1,183 @@
+"""A world at work: its shapes in a pymunk space, its surfaces as arrays, its gates open or closed."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import pymunk
+from numpy.typing import NDArray
+
+from sim2d import scene as scenes
+from sim2d.atlas import Atlas, AtlasBuilder
+from sim2d.errors import WorldError
+from sim2d.shapes import Box, Cylinder, Gate, Look, Point, Spec, Wall
+
+STATIC = 0b1
+ROBOT = 0b10
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """A plan for pictures, world frame: polylines [(N, 2) m], circles [(x, y, r) m], labels [(x, y, text)]."""
+
+    polylines: tuple[NDArray[np.float64], ...]
+    circles: tuple[tuple[float, float, float], ...]
+    labels: tuple[tuple[float, float, str], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Skin:
+    """What a pymunk shape looks like: body number, top [m], tile, surface coordinate of its first point [m]."""
+
+    solid: int
+    top: float
+    tile: int
+    along: float
+
+
+class World:
+    """The space of a Spec; owns its gates' state, so every run loads its own. Raises WorldError on bad shapes."""
+
+    def __init__(self, spec: Spec, seed: int = 0) -> None:
+        self.spec = spec
+        self.name = spec.name
+        self.version = 0
+        self.space = pymunk.Space()
+        self.space.collision_slop = 1e-4
+        self._skins: dict[pymunk.Shape, Skin] = {}
+        self._gates: list[tuple[Gate, pymunk.Shape]] = []
+        self._solids = 0
+        self._scene: tuple[int, scenes.Scene] | None = None
+        builder = AtlasBuilder(seed)
+        self.floor = builder.ground(spec.floor)
+        self.ceiling = builder.ground(spec.ceiling)
+        for wall in spec.walls:
+            self._add_wall(wall, builder)
+        for box in spec.boxes:
+            self._add_box(box, builder)
+        for cylinder in spec.cylinders:
+            self._add_cylinder(cylinder, builder)
+        for gate in spec.gates:
+            self._add_gate(gate, builder)
+        self.atlas: Atlas = builder.build()
+
+    def scene(self) -> scenes.Scene:
+        """Return the surfaces as they stand now; extracted once per change."""
+        if self._scene is None or self._scene[0] != self.version:
+            self._scene = (self.version, scenes.build(_surfaces(self._skins)))
+        return self._scene[1]
+
+    def open_gates(self, laps: float) -> bool:
+        """Open every gate that is due after `laps` laps; return whether one opened."""
+        due = [pair for pair in self._gates if pair[0].opens_at <= laps]
+        for pair in due:
+            self._gates.remove(pair)
+            self.space.remove(pair[1])
+            del self._skins[pair[1]]
+            self.version += 1
+        return bool(due)
+
+    def plan(self) -> Plan:
+        """Return the plan, with gates closed."""
+        spec = self.spec
+        lines = [np.array(wall.points) for wall in spec.walls]
+        lines += [np.array([*box.points, box.points[0]]) for box in spec.boxes]
+        lines += [np.array([gate.a, gate.b]) for gate in spec.gates]
+        circles = tuple((c.x, c.y, c.radius) for c in spec.cylinders)
+        return Plan(tuple(lines), circles, spec.labels)
+
+    def _add_wall(self, wall: Wall, builder: AtlasBuilder) -> None:
+        if len(wall.points) < 2:
+            raise WorldError(f"wall {wall.name!r} of {self.name} needs at least two points")
+        total = sum(math.dist(a, b) for a, b in zip(wall.points, wall.points[1:], strict=False))
+        along, tile = 0.0, builder.surface(wall.look, total, wall.height)
+        for a, b in zip(wall.points, wall.points[1:], strict=False):
+            self._add(pymunk.Segment(self.space.static_body, a, b, 0.0), wall.height, tile, along)
+            along += math.dist(a, b)
+
+    def _add_box(self, box: Box, builder: AtlasBuilder) -> None:
+        points = list(box.points)
+        if not _is_convex(points):
+            raise WorldError(f"box {box.name!r} of {self.name} must be convex and counter-clockwise")
+        tile = builder.surface(box.look, _perimeter(points), box.height)
+        shape = pymunk.Poly(self.space.static_body, points)
+        # pymunk may begin with another corner: the surface coordinate starts where it begins
+        self._add(shape, box.height, tile, _offset(points, shape.get_vertices()[0]))
+
+    def _add_cylinder(self, cylinder: Cylinder, builder: AtlasBuilder) -> None:
+        if not cylinder.radius > 0:
+            raise WorldError(f"cylinder {cylinder.name!r} of {self.name} needs a radius above 0")
+        tile = builder.surface(cylinder.look, math.tau * cylinder.radius, cylinder.height)
+        offset = (cylinder.x, cylinder.y)
+        self._add(pymunk.Circle(self.space.static_body, cylinder.radius, offset), cylinder.height, tile, 0.0)
+
+    def _add_gate(self, gate: Gate, builder: AtlasBuilder) -> None:
+        tile = builder.surface(gate.look, math.dist(gate.a, gate.b), gate.height)
+        shape = pymunk.Segment(self.space.static_body, gate.a, gate.b, 0.0)
+        self._add(shape, gate.height, tile, 0.0)
+        self._gates.append((gate, shape))
+
+    def _add(self, shape: pymunk.Shape, top: float, tile: int, along: float) -> None:
+        if not (math.isfinite(top) and top > 0):
+            raise WorldError(f"a height in {self.name} is {top}; heights are above 0")
+        shape.friction = 0.0
+        shape.filter = pymunk.ShapeFilter(categories=STATIC)
+        self.space.add(shape)
+        self._skins[shape] = Skin(self._solids, top, tile, along)
+        self._solids += 1
+
+
+def _perimeter(points: list[Point]) -> float:
+    return sum(math.dist(a, b) for a, b in zip(points, points[1:] + points[:1], strict=True))
+
+
+def _offset(points: list[Point], corner: Point) -> float:
+    """Return the distance round a polygon from its first point to a corner [m]."""
+    along = 0.0
+    for a, b in zip(points, points[1:] + points[:1], strict=True):
+        if math.dist(a, corner) < 1e-9:
+            return along
+        along += math.dist(a, b)
+    return 0.0
+
+
+def _is_convex(points: list[Point]) -> bool:
+    triples = zip(points, points[1:] + points[:1], points[2:] + points[:2], strict=True)
+    return len(points) >= 3 and all(
+        (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0]) > 0 for a, b, c in triples
+    )
+
+
+def _light(ax: float, ay: float, bx: float, by: float) -> float:
+    """Return the brightness of a surface by where it faces: light falls in from the upper right of the plan."""
+    length = math.hypot(bx - ax, by - ay) or 1.0
+    return 0.86 + 0.1 * (by - ay) / length - 0.06 * (bx - ax) / length
+
+
+def _rows(shape: pymunk.Shape) -> list[tuple[int, tuple[float, float, float, float], float]]:
+    """Return the surfaces of a shape as kind, line and distance along it from its first point [m]."""
+    if isinstance(shape, pymunk.Segment):
+        return [(scenes.SEGMENT, (*shape.a, *shape.b), 0.0)]
+    if isinstance(shape, pymunk.Circle):
+        return [(scenes.CIRCLE, (*shape.offset, shape.radius, 0.0), 0.0)]
+    corners = shape.get_vertices()
+    rows, along = [], 0.0
+    for a, b in zip(corners, corners[1:] + corners[:1], strict=True):
+        rows.append((scenes.EDGE, (*a, *b), along))
+        along += math.dist(a, b)
+    return rows
+
+
+def _surfaces(skins: dict[pymunk.Shape, Skin]) -> scenes.Surfaces:
+    rows = [(skin, row) for shape, skin in skins.items() for row in _rows(shape)]
+    return scenes.Surfaces(
+        np.array([row[0] for _, row in rows], dtype=np.int64),
+        np.array([row[1] for _, row in rows], dtype=np.float64).reshape(-1, 4),
+        np.array([skin.solid for skin, _ in rows], dtype=np.int64),
+        np.array([skin.top for skin, _ in rows], dtype=np.float64),
+        np.array([skin.tile for skin, _ in rows], dtype=np.int64),
+        np.array([skin.along + row[2] for skin, row in rows], dtype=np.float64),
+        np.array([_light(*row[1]) for _, row in rows], dtype=np.float64),
+    )
