@@ -11,6 +11,7 @@ Complex128Array = NDArray[np.complex128]
 Float32Array = NDArray[np.float32]
 Float64Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+Int8Array = NDArray[np.int8]
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]  # numba has no types
@@ -118,3 +119,81 @@ def absolute_differences(current: Float32Array, goal: Float32Array) -> Float64Ar
             for k in range(columns):
                 total[k] += abs(value - twice[start + k])
     return total.astype(np.float64) / (rows * columns)
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]  # numba has no types
+def dtw_path(home: Float32Array, current: Float32Array, band: int) -> tuple[Float64Array, float]:
+    """Match two sequences (F, L) by dynamic time warping within |i - j| <= band (Sakoe, Chiba 1978).
+
+    Returns for each home index the mean of the matched current indices minus itself (L,), and the path's cost:
+    the sum of absolute differences along it per step and feature.
+    """
+    features, length = home.shape
+    width = 2 * band + 1
+    step = np.zeros((length, width), np.int8)  # 0 both on, 1 home on, 2 current on
+    before = np.full(width + 1, np.inf, np.float32)
+    now = np.full(width + 1, np.inf, np.float32)
+    local = np.empty(width, np.float32)
+    for i in range(length):
+        low, high = max(0, band - i), min(width, length - i + band)
+        local[:] = 0.0
+        for f in range(features):
+            value = home[f, i]
+            for o in range(low, high):
+                local[o] += abs(value - current[f, i + o - band])
+        now[:] = np.inf
+        left = np.float32(np.inf)
+        for o in range(low, high):
+            least, way = before[o], 0
+            if before[o + 1] < least:
+                least, way = before[o + 1], 1
+            if left < least:
+                least, way = left, 2
+            if i == 0 and o == band:
+                least, way = np.float32(0.0), 0
+            left = least + local[o]
+            now[o] = left
+            step[i, o] = way
+        before, now = now, before
+    return _walked_back(step, band, float(before[band]) / features)
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]  # numba has no types
+def _walked_back(step: Int8Array, band: int, total: float) -> tuple[Float64Array, float]:
+    length = step.shape[0]
+    shift, count = np.zeros(length), np.zeros(length)
+    i, o, steps = length - 1, band, 0
+    while True:
+        shift[i] += o - band
+        count[i] += 1.0
+        steps += 1
+        if i == 0 and o == band:
+            return shift / count, total / steps
+        way = step[i, o]
+        if way == 1:
+            i, o = i - 1, o + 1
+        elif way == 2:
+            o -= 1
+        else:
+            i -= 1
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]  # numba has no types
+def block_differences(home: Float32Array, current: Float32Array, reach: int, half: int) -> Float32Array:
+    """Return the summed difference (L, 2 reach + 1) of the windows i +- half of two rings (F, L) at shifts
+    -reach .. reach of the current one.
+    """
+    features, length = home.shape
+    shifts = 2 * reach + 1
+    single = np.zeros((length, shifts), np.float32)
+    for i in range(length):
+        for f in range(features):
+            value = home[f, i]
+            for s in range(shifts):
+                single[i, s] += abs(value - current[f, (i + s - reach) % length])
+    summed = np.zeros((length, shifts), np.float32)
+    for i in range(length):
+        for k in range(i - half, i + half + 1):
+            for s in range(shifts):
+                summed[i, s] += single[k % length, s]
+    return summed
