@@ -21,8 +21,8 @@ def accumulate(
     """Integrate E edges in raw units with headings rho * (turn - bend * forward).
 
     deltas (K, 3), covariances (K, 3, 3), starts (E + 1,), rho = 1/rotation scale, bend [rad/m as read].
-    Returns translation (E, 2), turn (E,), forward (E,), translation's derivatives by log rotation scale (E, 2) and
-    bend (E, 2), covariance (E, 3, 3) of translation and raw turn.
+    Returns translation (E, 2), turn (E,), forward (E,), derivatives of the translation by log rotation
+    scale (E, 2) and bend (E, 2), covariance (E, 3, 3) of translation and raw turn.
     """
     n = len(starts) - 1
     translation, by_rotation, by_bend = np.zeros((n, 2)), np.zeros((n, 2)), np.zeros((n, 2))

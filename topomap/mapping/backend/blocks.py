@@ -70,9 +70,9 @@ def odometry_blocks(
 ) -> Blocks:
     """Return the odometry edges pairs (n, 2) in raw units.
 
-    They are D R_i^T (t_j - t_i) - p_raw and R turn - turn_raw + C/D forward_raw. Raw units keep the noise as it
-    was read whatever the scales: in true metres a smaller world would be cheaper, and one false closure could
-    shrink it.
+    They are D R_i^T (t_j - t_i) - p_raw and R turn - turn_raw + C/D forward_raw. Raw units keep the noise
+    as it was read whatever the scales: in true metres a smaller world would be cheaper, and one false closure
+    could shrink it.
     """
     d, r = calibration.distance_scale, calibration.rotation_scale
     bend = calibration.curvature / d
@@ -113,6 +113,15 @@ def closure_blocks(poses: FloatArray, closures: Closures) -> Blocks:
     whitening *= np.sqrt(closures.weight)[:, None, None]
     residual, a, b = _whiten(whitening, residual, by_i, by_j)
     return Blocks(closures.i, closures.j, a, b, None, residual)
+
+
+def closure_chi2(poses: FloatArray, closures: Closures, extra: FloatArray) -> FloatArray:
+    """Return (n,) squared Mahalanobis distances of closures whose covariances are widened by (n, 3, 3)."""
+    residual = between(poses[closures.i], poses[closures.j]) - closures.relative
+    residual[:, 2] = wrap_all(residual[:, 2])
+    residual[closures.covariance[:, 2, 2] > UNKNOWN_HEADING, 2] = 0.0
+    solved = np.linalg.solve(closures.covariance + extra, residual[:, :, None])[:, :, 0]
+    return np.asarray((residual * solved).sum(axis=1))
 
 
 def _free_heading(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -90,9 +91,10 @@ def no_closures() -> Closures:
 class Problem:
     """A pose graph with its odometry's systematic errors as unknowns.
 
-    poses (N, 3): the start, made with `calibration`; node ids are 0..N-1; prior, prior_sigmas (3,): mean and sigma
-    of (log rotation scale, curvature [rad/m], log distance scale); anchor: the node that is held.
-    Raises TopomapError for NaN, ids out of range or a missing anchor.
+    poses (N, 3): the start, made with `calibration`; node ids are 0..N-1; odometry: in travel order, an edge
+    begins where the last one ended; prior, prior_sigmas (3,): mean and sigma of (log rotation scale,
+    curvature [rad/m], log distance scale); anchor: the node that is held.
+    Raises TopomapError for NaN, ids out of range, a broken chain or a missing anchor.
     """
 
     poses: FloatArray
@@ -118,6 +120,12 @@ class Problem:
         if ends.size and (ends.min() < 0 or ends.max() >= len(self.poses)):
             raise TopomapError(f"an edge names a node outside 0..{len(self.poses) - 1}")
 
+        for a, b in pairwise(self.odometry):
+            if a.j != b.i:
+                raise TopomapError(
+                    f"the odometry breaks between nodes {a.j} and {b.i}; edges follow the way travelled"
+                )
+
     def _check_numbers(self) -> None:
         named = {
             "poses": (self.poses,),
@@ -137,8 +145,9 @@ class Problem:
 class Solution:
     """What the back end found; refused (improved False) it holds the problem's own poses and calibration.
 
-    poses (N, 3); calibration_covariance (3, 3) of `Calibration.vector`; closure_weights (M,) in [0, 1], at least
-    0.5 for a closure that is believed; error_before, error_after: truncated squared error of start and result.
+    poses (N, 3); calibration_covariance (3, 3) of `Calibration.vector`; closure_weights (M,) in [0, 1], at
+    least 0.5 for a closure that is believed; error_before, error_after: truncated squared error of start and
+    result.
     """
 
     poses: FloatArray

@@ -11,16 +11,11 @@ class BackendSettings(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     cutoff: float = Field(
-        default=3.4,
-        gt=0,
-        le=100,
-        description="closures further off aren't believed [sigmas; 3.4: 99 % at 3 dof]",
+        default=3.4, gt=0, le=100, description="a closure further off isn't believed [sigmas; 99 % at 3 dof]"
     )
-    widest: float = Field(
-        default=64.0, gt=0, le=1e6, description="the annealing starts at most here [sigmas]"
-    )
+    stages: int = Field(default=10, ge=0, le=100, description="annealing stages at most")
     shrink: float = Field(
-        default=1.6, gt=1, le=10, description="an iteration divides the annealed cutoff by this"
+        default=2.0, gt=1, le=10, description="a stage divides what odometry may be off by this"
     )
     iterations: int = Field(default=10, ge=1, le=100, description="iterations at most, after the annealing")
     tolerance: float = Field(default=1e-3, gt=0, description="largest step [m, rad] when it has converged")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from topomap.geometry import FloatArray
+from topomap.mapping.backend.blocks import closure_chi2
 from topomap.mapping.backend.problem import Problem, Solution
 from topomap.mapping.backend.settings import BackendSettings
 from topomap.mapping.backend.state import Graph, Linearised, State, geman_mcclure
@@ -14,8 +15,8 @@ def solve(problem: Problem, settings: BackendSettings | None = None) -> Solution
     """Solve poses and calibration jointly by graduated non-convexity (Yang et al. 2020) over the closures.
 
     The closures' weights are annealed with Geman-McClure and end truncated (in or out). A result whose
-    truncated error isn't below the start's is refused: the solution then holds the start. Raises TopomapError for
-    an undetermined graph.
+    truncated error isn't below the start's is refused: the solution then holds the start. Raises TopomapError
+    for an undetermined graph.
     """
     chosen = settings or BackendSettings()
     graph = Graph(problem, chosen.turn_cutoff)
@@ -48,13 +49,18 @@ def _chi2(graph: Graph, at: Linearised) -> FloatArray:
 def _anneal(
     graph: Graph, state: State, at: Linearised, settings: BackendSettings
 ) -> tuple[State, Linearised, int]:
-    chi2 = _chi2(graph, at)
-    widest = min(float(np.sqrt(chi2.max(initial=0.0))), settings.widest)
-    cutoff, iterations = widest, 0
-    while cutoff > settings.cutoff:
-        state, at, _ = graph.step(state, at, geman_mcclure(_chi2(graph, at), cutoff))
-        cutoff, iterations = cutoff / settings.shrink, iterations + 1
-    return state, at, iterations
+    """Believe at first what odometry allows, then less and less.
+
+    The cutoff is on the distance in the sum of the closure's covariance and the odometry's along the way: a true
+    closure of a long loop may be far off, a false one of a short path mayn't.
+    """
+    closures, extra = graph.problem.closures, graph.allowance()
+    for stage in range(settings.stages):
+        if bool((_chi2(graph, at) <= settings.cutoff**2).all()):
+            return state, at, stage
+        chi2 = closure_chi2(state.poses, closures, extra * settings.shrink ** (-2 * stage))
+        state, at, _ = graph.step(state, at, geman_mcclure(chi2, settings.cutoff))
+    return state, at, settings.stages
 
 
 def _settle(

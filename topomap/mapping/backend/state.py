@@ -10,6 +10,7 @@ from topomap.geometry import FloatArray, wrap_all
 from topomap.mapping.backend.blocks import Blocks, closure_blocks, odometry_blocks, turn_blocks
 from topomap.mapping.backend.linear import LinearSystem
 from topomap.mapping.backend.problem import IntArray, Problem
+from topomap.mapping.chain import Chain
 from topomap.mapping.odometry import Calibration, EdgeIncrements
 
 LARGEST_STEP = np.array([0.1, 0.02, 0.1])  # of the calibration: keeps the linearisation honest
@@ -55,6 +56,18 @@ class Graph:
         self._turns = np.array([(t.turn, t.sigma) for t in problem.turns]).reshape(-1, 2)
         self._turn_cutoff = turn_cutoff
         self._sigmas = np.array(problem.prior_sigmas)
+
+    def allowance(self) -> FloatArray:
+        """Return (M, 3, 3) how far odometry alone may have led the two ends of each closure apart."""
+        if not self._pairs.size:
+            return np.tile(np.eye(3), (len(self.problem.closures), 1, 1))
+        order = np.append(self._pairs[:, 0], self._pairs[-1, 1])
+        edges = self._edges.integrate(self.problem.calibration)
+        covariance = np.diag(self._sigmas**2)
+        chain = Chain.of(self.problem.poses[order], edges, self.problem.calibration, covariance)
+        position = np.zeros(len(self.problem.poses), np.int64)
+        position[order] = np.arange(len(order))
+        return chain.covariance(position[self.problem.closures.i], position[self.problem.closures.j])
 
     def start(self) -> State:
         """Return the problem's own estimate."""
