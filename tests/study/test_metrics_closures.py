@@ -89,7 +89,7 @@ def test_no_pass_before_ten_metres_of_travel() -> None:
 def test_recall_counts_passes_near_an_accepted_true_closure() -> None:
     at = LAP + 160
     lone = replace(RUN, decisions=(decide(candidate(RUN, at, 160)),))
-    closed = {p.node for p, yes in zip(passes(lone), recalled(lone), strict=True) if yes}
+    closed = {p.node for p, yes in zip(passes(lone), recalled(lone, passes(lone)), strict=True) if yes}
     # 0.75 m of pass and 1 m of margin either way; nodes lie 0.8 m apart
     assert closed == {18, 19, 20, 21, 22}
     assert count(lone).recall == pytest.approx(5 / len(passes(lone)))

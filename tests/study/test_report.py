@@ -57,7 +57,8 @@ def test_what_comes_from_outside_is_escaped() -> None:
 
 def test_figures_that_do_not_apply_are_left_out_with_a_reason() -> None:
     bare = replace(
-        RUN, truth=None, difference=None, place_difference=None, first_closure=(), goal_node=None, decisions=(),
+        RUN, truth=None, difference=None, place_difference=None, first_closure=(), goal_node=None,
+        decisions=(),
     )  # fmt: skip
     text = render(bare)
     assert text.count("<img") == 1

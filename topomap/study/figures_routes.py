@@ -76,16 +76,15 @@ def draw_snapshots(axes: Axes, run: RunData) -> None:
         return
     there, _ = placed(run, np.array(poses))
     axes.plot(
-        there[:, 0], there[:, 1], "o", markersize=3.6, markerfacecolor="white", markeredgecolor=style.RED,
+        there[:, 0], there[:, 1], "o", markersize=style.size_for(len(poses) // 4, 3.6), markerfacecolor="white", markeredgecolor=style.RED,
         markeredgewidth=0.8, label="snapshot",
     )  # fmt: skip
 
 
 def _draw_closures(axes: Axes, run: RunData) -> None:
     mapped, _ = placed(run, run.final)
-    for closure in accepted(run):
-        at = step_at(run.stamps_ns, closure.candidate.query_ns)
-        style.mark(axes, mapped[at : at + 1, :2], style.closure_mark(closure))
+    for look, steps in style.closure_steps(run):
+        style.mark(axes, mapped[steps, :2], look)
 
 
 def _draw_links(axes: Axes, run: RunData, truth: FloatArray, look: style.Mark) -> None:
@@ -95,7 +94,11 @@ def _draw_links(axes: Axes, run: RunData, truth: FloatArray, look: style.Mark) -
     queries = truth[[step_at(run.stamps_ns, candidate.query_ns) for candidate in chosen], :2]
     matches = truth[[step_at(run.stamps_ns, candidate.match_ns) for candidate in chosen], :2]
     links = np.stack([queries, matches], axis=1)
-    axes.add_collection(LineCollection(list(links), colors=look.color, linewidths=1.0, alpha=0.7))
+    axes.add_collection(
+        LineCollection(
+            list(links), colors=look.color, linewidths=1.0, alpha=0.7 if len(chosen) < 200 else 0.15
+        )
+    )
     style.mark(axes, queries, replace(look, label=f"{look.label} ({len(chosen)})"))
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import base64
 import io
+import math
 from dataclasses import dataclass
 
 import matplotlib
@@ -50,11 +51,11 @@ class Mark:
 
 DEAD_RECKONING = Line(BLUE, 1.3, "--", "dead reckoning")
 MAP = Line(RED, 1.7, "-", "map")
-ONLINE = Line(PURPLE, 1.1, ":", "online")
+ONLINE = Line(AMBER, 1.4, ":", "online")
 TRUTH = Line(BLACK, 2.2, "-", "truth")
 TRUE_CLOSURE = Mark(GREEN, "o", "closure, true")
 FALSE_CLOSURE = Mark(PURPLE, "X", "closure, false")
-UNJUDGED_CLOSURE = Mark(AMBER, "D", "closure, not judged")
+UNJUDGED_CLOSURE = Mark(GREY, "D", "closure, not judged")
 
 
 def canvas(width: float = 7.4, height: float = 3.6) -> Figure:
@@ -82,11 +83,17 @@ def line(axes: Axes, x: FloatArray, y: FloatArray, look: Line) -> None:
 
 
 def mark(axes: Axes, points: FloatArray, look: Mark) -> None:
-    """Draw points (N, 2), above whatever else is drawn."""
+    """Draw points (N, 2), above whatever else is drawn; the more there are the smaller."""
     axes.plot(
-        points[:, 0], points[:, 1], look.shape, color=look.color, markersize=6.5, markeredgecolor="white",
-        markeredgewidth=0.4, zorder=5, clip_on=False, label=look.label,
+        points[:, 0], points[:, 1], look.shape, color=look.color, markersize=size_for(len(points), 6.5),
+        markeredgecolor="white", markeredgewidth=0.4 if len(points) < 200 else 0.0, zorder=5, clip_on=False,
+        label=look.label,
     )  # fmt: skip
+
+
+def size_for(count: int, full: float) -> float:
+    """Return the size [points] of each of so many marks: `full` up to 60 of them, never below a third of it."""
+    return full * max(math.sqrt(60 / max(count, 60)), 1 / 3)
 
 
 def legend_below(figure: Figure, axes: Axes, columns: int = 4) -> None:
@@ -114,9 +121,8 @@ def mark_events(axes: Axes, run: RunData) -> None:
     """Draw each accepted closure as a mark on the time axis and the hand-over as a line across."""
     time = seconds(run)
     floor = axes.get_ylim()[0]
-    for closure in accepted(run):
-        when = time[step_at(run.stamps_ns, closure.candidate.query_ns)]
-        mark(axes, np.array([[when, floor]]), closure_mark(closure))
+    for look, steps in closure_steps(run):
+        mark(axes, np.column_stack([time[steps], np.full(len(steps), floor)]), look)
     axes.set_xlim(0.0, max(time[-1], 1e-9))
     start = handover_step(run)
     if start:
@@ -128,6 +134,16 @@ def closure_mark(closure: Closure) -> Mark:
     if closure.judgement is None:
         return UNJUDGED_CLOSURE
     return FALSE_CLOSURE if closure.judgement.false else TRUE_CLOSURE
+
+
+def closure_steps(run: RunData) -> list[tuple[Mark, list[int]]]:
+    """Return the query steps of the accepted closures, by how they are drawn."""
+    kept = [(closure_mark(closure), closure.candidate.query_ns) for closure in accepted(run)]
+    return [
+        (look, [step_at(run.stamps_ns, stamp) for own, stamp in kept if own == look])
+        for look in (TRUE_CLOSURE, UNJUDGED_CLOSURE, FALSE_CLOSURE)
+        if any(own == look for own, _ in kept)
+    ]
 
 
 def svg_uri(figure: Figure) -> str:

@@ -82,17 +82,23 @@ class ClosureCounts:
 
 def closures(run: RunData) -> tuple[Closure, ...]:
     """Return every candidate of the run, in the order of first decision."""
-    history: dict[tuple[int, int], list[Decision]] = {}
-    for decision in run.decisions:
-        history.setdefault((decision.candidate.query_ns, decision.candidate.match), []).append(decision)
-    return tuple(
-        Closure(own[-1].candidate, tuple(own), judge(run, own[-1].candidate)) for own in history.values()
-    )
+    return tuple(_closure(run, own) for own in _histories(run))
 
 
 def accepted(run: RunData) -> tuple[Closure, ...]:
     """Return the closures that the final map holds."""
-    return tuple(closure for closure in closures(run) if closure.verdict is Verdict.ACCEPTED)
+    return tuple(_closure(run, own) for own in _histories(run) if own[-1].verdict is Verdict.ACCEPTED)
+
+
+def _histories(run: RunData) -> list[list[Decision]]:
+    histories: dict[tuple[int, int], list[Decision]] = {}
+    for decision in run.decisions:
+        histories.setdefault((decision.candidate.query_ns, decision.candidate.match), []).append(decision)
+    return list(histories.values())
+
+
+def _closure(run: RunData, own: list[Decision]) -> Closure:
+    return Closure(own[-1].candidate, tuple(own), judge(run, own[-1].candidate))
 
 
 def judge(run: RunData, candidate: Candidate) -> Judgement | None:
@@ -126,18 +132,21 @@ def _rotation_error(candidate: Candidate, query: FloatArray, match: FloatArray) 
 
 
 def passes(run: RunData) -> tuple[Pass, ...]:
-    """Return the possible closures: one per snapshot node and contiguous stretch of steps that lie, in truth,
-    within 0.75 m of where that node was taken and at least 10 m of true travel after it. Empty without
-    truth."""
+    """Return the possible closures; empty without truth.
+
+    There is one per snapshot node and contiguous stretch of steps that lie, in truth, within 0.75 m of where that
+    node was taken and at least 10 m of true travel after it.
+    """
     if run.truth is None:
         return ()
-    path = travel(run.truth)
+    path, places = travel(run.truth), run.truth[:, :2]
     found: list[Pass] = []
     for node in (node for node in run.nodes if node.snapshot):
         at = step_at(run.stamps_ns, node.stamp_ns)
-        near = np.hypot(*(run.truth[:, :2] - run.truth[at, :2]).T) <= PASS_RADIUS_M
-        late = path - path[at] >= PASS_TRAVEL_M
-        found += [Pass(node.node, first, last) for first, last in runs_of(near & late)]
+        late = int(np.searchsorted(path, path[at] + PASS_TRAVEL_M))
+        gaps = places[late:] - places[at]
+        near = (gaps**2).sum(axis=1) <= PASS_RADIUS_M**2
+        found += [Pass(node.node, late + first, late + last) for first, last in runs_of(near)]
     return tuple(found)
 
 
@@ -150,21 +159,20 @@ def runs_of(flags: BoolArray) -> list[tuple[int, int]]:
     ]
 
 
-def recalled(run: RunData) -> BoolArray:
-    """Return, for each of `passes`, whether it was closed.
+def recalled(run: RunData, possible: tuple[Pass, ...]) -> BoolArray:
+    """Return, for each of `possible` (P,), whether it was closed.
 
     A pass is closed when any true closure that was accepted when decided (a later withdrawal doesn't undo
     that, a pending or refused one doesn't count) has its query stamp within the pass, or within 1 m of true
     travel of it. Which node the closure matched doesn't matter: two neighbouring nodes are one place.
     """
     true = [c for c in closures(run) if c.once_accepted and c.judgement is not None and not c.judgement.false]
-    if run.truth is None or not true:
-        return np.zeros(len(passes(run)), dtype=np.bool_)
+    if run.truth is None or not true or not possible:
+        return np.zeros(len(possible), dtype=np.bool_)
     path = travel(run.truth)
     queries = np.sort([path[step_at(run.stamps_ns, c.candidate.query_ns)] for c in true])
-    spans = np.array([(path[p.first], path[p.last]) for p in passes(run)]).reshape(-1, 2)
-    before = np.searchsorted(queries, spans[:, 0] - PASS_MARGIN_M, side="left")
-    until = np.searchsorted(queries, spans[:, 1] + PASS_MARGIN_M, side="right")
+    before = np.searchsorted(queries, path[[p.first for p in possible]] - PASS_MARGIN_M, side="left")
+    until = np.searchsorted(queries, path[[p.last for p in possible]] + PASS_MARGIN_M, side="right")
     return until > before
 
 
@@ -175,7 +183,7 @@ def count(run: RunData) -> ClosureCounts:
     if run.truth is None:
         return ClosureCounts(len(every), len(kept), None, None, None, None)
     judged = [closure.judgement for closure in kept if closure.judgement is not None]
-    closed = recalled(run)
+    closed = recalled(run, passes(run))
     return ClosureCounts(
         proposed=len(every),
         accepted=len(kept),
