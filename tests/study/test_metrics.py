@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -134,7 +135,7 @@ def test_ate_agrees_with_evo(scale: bool) -> None:
     metrics = pytest.importorskip("evo.core.metrics")
     trajectory = pytest.importorskip("evo.core.trajectory")
 
-    def of(poses: FloatArray) -> object:
+    def of(poses: FloatArray) -> Any:
         half = poses[:, 2] / 2
         nothing = np.zeros(len(poses))
         quaternions = np.column_stack([np.cos(half), nothing, nothing, np.sin(half)])

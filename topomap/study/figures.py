@@ -21,12 +21,16 @@ from topomap.study.run_data import RunData
 
 @dataclass(frozen=True, slots=True)
 class FigureKind:
-    """A figure: its name, a caption, the function that draws it, and why it is missing (None: it applies)."""
+    """A figure: its name, a caption, the function that draws it, and why it is missing (None: it applies).
+
+    photographs: it holds camera images, which are smaller as pixels.
+    """
 
     name: str
     caption: str
     draw: Callable[[RunData], Figure]
     missing: Callable[[RunData], str | None]
+    photographs: bool = False
 
 
 def _never(run: RunData) -> str | None:
@@ -96,6 +100,7 @@ FIGURES: tuple[FigureKind, ...] = (
         "What the robot saw before and at the first accepted closure, and the snapshot that it matched.",
         panoramas,
         _no_panoramas,
+        photographs=True,
     ),
     FigureKind(
         "Closures in truth",

@@ -76,8 +76,8 @@ def draw_snapshots(axes: Axes, run: RunData) -> None:
         return
     there, _ = placed(run, np.array(poses))
     axes.plot(
-        there[:, 0], there[:, 1], "o", markersize=style.size_for(len(poses) // 4, 3.6), markerfacecolor="white", markeredgecolor=style.RED,
-        markeredgewidth=0.8, label="snapshot",
+        there[:, 0], there[:, 1], "o", markersize=style.size_for(len(poses) // 4, 3.6),
+        markerfacecolor="white", markeredgecolor=style.RED, markeredgewidth=0.8, label="snapshot",
     )  # fmt: skip
 
 

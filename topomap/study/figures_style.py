@@ -28,6 +28,7 @@ from topomap.study.run_data import RunData
 BLUE, RED, BLACK = "#0072B2", "#D55E00", "#000000"
 GREEN, PURPLE, AMBER, GREY = "#009E73", "#B0468E", "#E69F00", "#8A8A8A"
 PALE = "#C4C4C4"
+SVG_LIMIT = 600_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,7 +93,7 @@ def mark(axes: Axes, points: FloatArray, look: Mark) -> None:
 
 
 def size_for(count: int, full: float) -> float:
-    """Return the size [points] of each of so many marks: `full` up to 60 of them, never below a third of it."""
+    """Return the size [points] of each of so many marks: `full` up to 60 of them, at least a third of it."""
     return full * max(math.sqrt(60 / max(count, 60)), 1 / 3)
 
 
@@ -144,6 +145,12 @@ def closure_steps(run: RunData) -> list[tuple[Mark, list[int]]]:
         for look in (TRUE_CLOSURE, UNJUDGED_CLOSURE, FALSE_CLOSURE)
         if any(own == look for own, _ in kept)
     ]
+
+
+def data_uri(figure: Figure, photographs: bool = False) -> str:
+    """Return a figure as a data URI: SVG, or PNG for photographs and where the SVG would be too large."""
+    uri = "" if photographs else svg_uri(figure)
+    return uri if 0 < len(uri) <= SVG_LIMIT else png_uri(figure)
 
 
 def svg_uri(figure: Figure) -> str:

@@ -134,8 +134,8 @@ def _rotation_error(candidate: Candidate, query: FloatArray, match: FloatArray) 
 def passes(run: RunData) -> tuple[Pass, ...]:
     """Return the possible closures; empty without truth.
 
-    There is one per snapshot node and contiguous stretch of steps that lie, in truth, within 0.75 m of where that
-    node was taken and at least 10 m of true travel after it.
+    There is one per snapshot node and contiguous stretch of steps that lie, in truth, within 0.75 m of where
+    that node was taken and at least 10 m of true travel after it.
     """
     if run.truth is None:
         return ()

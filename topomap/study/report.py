@@ -4,24 +4,19 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
-from matplotlib.figure import Figure
 
 from topomap.study.figures import FIGURES
-from topomap.study.figures_panoramas import panoramas
-from topomap.study.figures_style import png_uri, svg_uri
+from topomap.study.figures_style import data_uri
 from topomap.study.ledger_rows import LedgerRow, ledger
 from topomap.study.metrics import RelativeError, drift_percent, rpe
 from topomap.study.run_data import RunData
 from topomap.study.summary import plain, summarise, table_rows, write_whole
 from topomap.types import Verdict
 
-# photographs and very long routes are smaller as pixels
-SVG_LIMIT = 600_000
 LEDGER_LIMIT = 400
 
 
@@ -67,7 +62,7 @@ def render(run: RunData) -> str:
 def pictures(run: RunData) -> list[Picture]:
     """Return every figure that applies to the run."""
     return [
-        Picture(kind.name, kind.caption, _uri(run, kind.draw))
+        Picture(kind.name, kind.caption, data_uri(kind.draw(run), kind.photographs))
         for kind in FIGURES
         if kind.missing(run) is None
     ]
@@ -105,11 +100,3 @@ def _part(title: str, run: RunData, unfolded: bool, verdicts: tuple[Verdict, ...
 
 def _relative(error: RelativeError) -> str:
     return f"{error.translation:.3f} m, {math.degrees(error.rotation):.2f}°"
-
-
-def _uri(run: RunData, draw: Callable[[RunData], Figure]) -> str:
-    figure = draw(run)
-    if draw is panoramas:
-        return png_uri(figure)
-    uri = svg_uri(figure)
-    return uri if len(uri) <= SVG_LIMIT else png_uri(figure)
