@@ -19,16 +19,26 @@ LEVELS = 6
 
 
 class Atlas(NamedTuple):
-    """Texels (N, 3) uint8, u-major within a tile, v upwards; by tile and level: offset, texels along u and v.
+    """Texels (N,) as `pack` makes them, u-major within a tile, v upwards; by tile and level: offset, texels along u, v.
 
     size (T, 2): length and height of a tile [m]. A tile repeats along u (ground tiles along both).
     """
 
-    texels: NDArray[np.uint8]
+    texels: NDArray[np.uint64]
     offset: NDArray[np.int64]
     nu: NDArray[np.int64]
     nv: NDArray[np.int64]
     size: NDArray[np.float64]
+
+
+def pack(texels: NDArray[np.uint8]) -> NDArray[np.uint64]:
+    """Return RGB texels (N, 3) as one number each, (N,): a channel every 21 bits.
+
+    So four texels can be mixed, all channels at once, by four integer products whose weights sum to 4096.
+    """
+    wide = texels.astype(np.uint64)
+    lanes: NDArray[np.uint64] = wide[:, 0] | wide[:, 1] << np.uint64(21) | wide[:, 2] << np.uint64(42)
+    return lanes
 
 
 def paint_look(look: Look, length: float, height: float, seed: int) -> Canvas:
@@ -73,7 +83,7 @@ class AtlasBuilder:
         self._seed = seed
         self._known: dict[tuple[Look | Ground, float, float], int] = {}
         self._rows: list[tuple[list[int], list[int], list[int], tuple[float, float]]] = []
-        self._parts: list[NDArray[np.uint8]] = []
+        self._parts: list[NDArray[np.uint64]] = []
         self._filled = 0
 
     def surface(self, look: Look, length: float, height: float) -> int:
@@ -110,7 +120,7 @@ class AtlasBuilder:
             offset.append(self._filled)
             nu.append(u)
             nv.append(v)
-            self._parts.append(np.ascontiguousarray(texels.transpose(1, 0, 2)).reshape(-1, 3))
+            self._parts.append(pack(np.ascontiguousarray(texels.transpose(1, 0, 2)).reshape(-1, 3)))
             self._filled += u * v
         self._rows.append((offset, nu, nv, (length, height)))
         return len(self._rows) - 1

@@ -15,6 +15,9 @@ from sim2d.scene import CIRCLE, SEGMENT, Scene
 
 FADE = 30.0  # [m] distance at which brightness has halved
 FAR = 200.0  # [m] nothing is drawn beyond
+SHIFT = np.uint64(21)  # between the channels of a packed colour
+LANE = np.uint64((1 << 21) - 1)
+HALF = 1 << 23  # a half, for rounding
 
 
 class Eye(NamedTuple):
@@ -36,7 +39,7 @@ class Eye(NamedTuple):
     gain: float
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _level(footprint: float) -> int:
     """Return the resolution level at which a texel is about as big as a pixel's footprint [m]."""
     level, size = 0, footprint * TEXELS
@@ -46,47 +49,57 @@ def _level(footprint: float) -> int:
     return level
 
 
-@njit(cache=True)
-def _sample(atlas: Atlas, tile: int, level: int, u: float, v: float) -> tuple[float, float, float]:
-    """Return the bilinear colour at u, v [m]; u repeats, v is held at the edges."""
-    nu, nv, base = atlas.nu[tile, level], atlas.nv[tile, level], atlas.offset[tile, level]
-    fu = u / atlas.size[tile, 0] * nu - 0.5
-    fv = min(max(v / atlas.size[tile, 1] * nv - 0.5, 0.0), nv - 1.0)
-    iu, iv = int(np.floor(fu)), int(fv)
-    wu, wv = fu - iu, fv - iv
-    iu %= nu
-    i2 = iu + 1 if iu + 1 < nu else 0
-    v2 = iv + 1 if iv + 1 < nv else iv
-    a, b = base + iu * nv, base + i2 * nv
-    w00, w01, w10, w11 = (1 - wu) * (1 - wv), (1 - wu) * wv, wu * (1 - wv), wu * wv
-    t = atlas.texels
+@njit(cache=True, error_model="numpy")
+def _blend(texels: NDArray[np.uint64], a: int, b: int, v: float, nv: int, wu: int) -> int:
+    """Return the packed bilinear colour, times 4096, at row v of a tile, between its columns that begin at a and b;
+    wu in 0..64 is b's share."""
+    q = min(max(int(v * 64.0), 0), (nv - 1) * 64 - 1) if nv > 1 else 0
+    j, wv = q >> 6, q & 63
+    k = j + 1 if nv > 1 else j
     return (
-        w00 * t[a + iv, 0] + w01 * t[a + v2, 0] + w10 * t[b + iv, 0] + w11 * t[b + v2, 0],
-        w00 * t[a + iv, 1] + w01 * t[a + v2, 1] + w10 * t[b + iv, 1] + w11 * t[b + v2, 1],
-        w00 * t[a + iv, 2] + w01 * t[a + v2, 2] + w10 * t[b + iv, 2] + w11 * t[b + v2, 2],
+        texels[a + j] * np.uint64((64 - wu) * (64 - wv))
+        + texels[a + k] * np.uint64((64 - wu) * wv)
+        + texels[b + j] * np.uint64(wu * (64 - wv))
+        + texels[b + k] * np.uint64(wu * wv)
     )
 
 
-@njit(cache=True)
-def _ground(atlas: Atlas, tile: int, level: int, x: float, y: float) -> tuple[float, float, float]:
-    """Return the colour of a floor or ceiling at world x, y [m]."""
-    side = atlas.size[tile, 1]
-    return _sample(atlas, tile, level, x, y - side * np.floor(y / side))
+@njit(cache=True, error_model="numpy")
+def _ground(texels: NDArray[np.uint64], base: int, n: int, x: float, y: float) -> int:
+    """Return the packed colour of a floor or ceiling at x, y [tiles]; n texels to a tile."""
+    fine = n * 64
+    u = int((x - np.floor(x)) * fine) + fine - 32
+    i = u >> 6
+    i = i - n if i >= n else i
+    k = i + 1 if i + 1 < n else 0
+    return _blend(texels, base + n * i, base + n * k, (y - np.floor(y)) * n - 0.5, n, u & 63)
 
 
-@njit(cache=True)
-def _put(pixel: NDArray[np.uint8], colour: tuple[float, float, float], factor: float) -> None:
-    """Store a colour times a factor."""
-    pixel[0] = np.uint8(min(255.0, colour[0] * factor + 0.5))
-    pixel[1] = np.uint8(min(255.0, colour[1] * factor + 0.5))
-    pixel[2] = np.uint8(min(255.0, colour[2] * factor + 0.5))
+@njit(cache=True, error_model="numpy")
+def _put(pixels: NDArray[np.uint8], p: int, colour: int, factor: float) -> None:
+    """Store a packed colour times a factor at entry p."""
+    f = int(factor * 4096.0)
+    pixels[p] = min(255, (np.int64(colour & LANE) * f + HALF) >> 24)
+    pixels[p + 1] = min(255, (np.int64((colour >> SHIFT) & LANE) * f + HALF) >> 24)
+    pixels[p + 2] = min(255, (np.int64(colour >> SHIFT >> SHIFT) * f + HALF) >> 24)
 
 
-@njit(cache=True)
-def _texture(
-    scene: Scene, s: int, px: float, py: float, dx: float, dy: float, t: float, focal: float
-) -> tuple[float, int, float]:
-    """Return surface coordinate [m], resolution level and brightness where a ray meets a surface at (px, py)."""
+@njit(cache=True, error_model="numpy")
+def _put_both(pixels: NDArray[np.uint8], p: int, colour: int, factor: float, other: int, share: float) -> None:
+    """Store the sum of two packed colours, each times its factor, at entry p."""
+    f, g = int(factor * 4096.0), int(share * 4096.0)
+    for c in range(3):
+        sum_ = np.int64(colour & LANE) * f + np.int64(other & LANE) * g + HALF
+        pixels[p + c] = min(255, sum_ >> 24)
+        colour >>= SHIFT
+        other >>= SHIFT
+
+
+@njit(cache=True, error_model="numpy")
+def _skin(scene: Scene, atlas: Atlas, s: int, eye: Eye, dx: float, dy: float, t: float, skin: FloatArray) -> None:
+    """Write what painting a surface hit at t [m] needs: entries of its two texel columns, weight, texels along v,
+    texels per metre along v, brightness, top [m]."""
+    px, py = eye.x + t * dx, eye.y + t * dy
     if scene.kind[s] == CIRCLE:
         nx, ny = (px - scene.line[s, 0]) / scene.line[s, 2], (py - scene.line[s, 1]) / scene.line[s, 2]
         u = np.arctan2(ny, nx) * scene.line[s, 2]
@@ -97,31 +110,20 @@ def _texture(
         length = np.hypot(ex, ey)
         u = scene.along[s] + ((px - ax) * ex + (py - ay) * ey) / length
         nx, ny, light = ey / length, -ex / length, scene.light[s]
-    facing = max(0.05, abs(nx * dx + ny * dy))
-    return u, _level(t / focal / np.sqrt(facing)), light / (1 + t / FADE)
+    tile = scene.tile[s]
+    level = _level(t / eye.focal / np.sqrt(max(0.05, abs(nx * dx + ny * dy))))
+    nu, nv, base = atlas.nu[tile, level], atlas.nv[tile, level], atlas.offset[tile, level]
+    fu = u / atlas.size[tile, 0] * nu - 0.5
+    i = int(np.floor(fu))
+    skin[2] = int((fu - i) * 64)
+    i %= nu
+    k = i + 1 if i + 1 < nu else 0
+    skin[0], skin[1] = base + i * nv, base + k * nv
+    skin[3], skin[4] = nv, nv / atlas.size[tile, 1]
+    skin[5], skin[6] = light / (1 + t / FADE), scene.top[s]
 
 
-@njit(cache=True)
-def _mirror(
-    scene: Scene, atlas: Atlas, eye: Eye, hits: FloatArray, places: FloatArray, levels: IntArray,
-    surfaces: IntArray, sides: IntArray, n: int, below: float, reach: float, dx: float, dy: float,
-) -> tuple[float, float, float]:  # fmt: skip
-    """Return what the floor `reach` [m] away mirrors, `below` rows under the horizon."""
-    for k in range(n):
-        s = surfaces[k]
-        if sides[k] == BACK or hits[k] < reach:
-            continue
-        z = below * hits[k] / eye.focal - eye.height
-        if z < scene.top[s]:
-            r, g, b = _sample(atlas, scene.tile[s], levels[k], places[k, 0], z)
-            return r * places[k, 1], g * places[k, 1], b * places[k, 1]
-    t = min(FAR, (eye.room + eye.height) * eye.focal / below)
-    fade = 1 / (1 + t / FADE)
-    r, g, b = _ground(atlas, eye.ceiling, _level(t / eye.focal * 1.5), eye.x + t * dx, eye.y + t * dy)
-    return r * fade, g * fade, b * fade
-
-
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _exit(solid: IntArray, hits: FloatArray, surfaces: IntArray, sides: IntArray, k: int, n: int) -> float:
     """Return where the ray leaves the solid that it entered at hit k."""
     for m in range(k + 1, n):
@@ -130,74 +132,90 @@ def _exit(solid: IntArray, hits: FloatArray, surfaces: IntArray, sides: IntArray
     return hits[k]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
+def _rows(atlas: Atlas, eye: Eye, tile: int, rise: float, height: int) -> tuple[FloatArray, IntArray]:
+    """Return for each row the distance [m] and brightness (H, 2) of a ground `rise` [m] away, its tile's entry, size (H, 2)."""
+    distance, tiles = np.empty((height, 2)), np.empty((height, 2), np.int64)
+    for r in range(height):
+        t = min(FAR, rise * eye.focal / max(abs(r - eye.horizon), 1e-3))
+        distance[r, 0], distance[r, 1] = t, eye.gain / (1 + t / FADE)
+        # a ground pixel is longer than wide: the geometric mean of both decides
+        level = _level(t / eye.focal * np.sqrt(max(1.0, t / rise)))
+        tiles[r, 0], tiles[r, 1] = atlas.offset[tile, level], atlas.nu[tile, level]
+    return distance, tiles
+
+
+@njit(cache=True, error_model="numpy")
 def render(scene: Scene, atlas: Atlas, eye: Eye, image: NDArray[np.uint8]) -> None:
     """Fill image (H, W, 3) RGB with what the camera sees, without noise."""
     height, width = image.shape[:2]
-    hits, places = np.empty(MAX_HITS), np.empty((MAX_HITS, 2))
-    surfaces, sides, levels = np.empty(MAX_HITS, np.int64), np.empty(MAX_HITS, np.int64), np.empty(MAX_HITS, np.int64)
-    floor_t, ceiling_t = np.empty(height), np.empty(height)
-    floor_level, ceiling_level = np.empty(height, np.int64), np.empty(height, np.int64)
-    for r in range(height):
-        rows = max(abs(r - eye.horizon), 1e-3)
-        floor_t[r] = min(FAR, eye.height * eye.focal / rows)
-        ceiling_t[r] = min(FAR, (eye.room - eye.height) * eye.focal / rows)
-        # a ground pixel is longer than wide: the geometric mean of both decides
-        floor_level[r] = _level(floor_t[r] / eye.focal * np.sqrt(max(1.0, floor_t[r] / eye.height)))
-        rise = eye.room - eye.height
-        ceiling_level[r] = _level(ceiling_t[r] / eye.focal * np.sqrt(max(1.0, ceiling_t[r] / rise)))
+    texels, pixels = atlas.texels, image.reshape(-1)
+    hits, skins = np.empty(MAX_HITS), np.empty((MAX_HITS, 7))
+    surfaces, sides = np.empty(MAX_HITS, np.int64), np.empty(MAX_HITS, np.int64)
+    floor, floor_tile = _rows(atlas, eye, eye.floor, eye.height, height)
+    ceiling, ceiling_tile = _rows(atlas, eye, eye.ceiling, eye.room - eye.height, height)
+    mirror, mirror_tile = _rows(atlas, eye, eye.ceiling, eye.room + eye.height, height)
+    floor_side, ceiling_side = 1 / atlas.size[eye.floor, 0], 1 / atlas.size[eye.ceiling, 0]
     for c in range(width):
         angle = eye.heading + (c - eye.forward_column) * eye.turn
         dx, dy = np.cos(angle), np.sin(angle)
         n = walk(scene, eye.x, eye.y, dx, dy, FAR, eye.room, hits, surfaces, sides)
         for k in range(n):
-            px, py = eye.x + hits[k] * dx, eye.y + hits[k] * dy
-            places[k, 0], levels[k], places[k, 1] = _texture(scene, surfaces[k], px, py, dx, dy, hits[k], eye.focal)
+            _skin(scene, atlas, surfaces[k], eye, dx, dy, hits[k], skins[k])
+        fx, fy, fdx, fdy = eye.x * floor_side, eye.y * floor_side, dx * floor_side, dy * floor_side
+        cx, cy, cdx, cdy = eye.x * ceiling_side, eye.y * ceiling_side, dx * ceiling_side, dy * ceiling_side
         y = height - 1  # what is seen fills the column from its foot upwards
         for k in range(n + 1):
-            near = hits[k] if k < n else FAR
             if k < n and sides[k] == BACK:
                 continue
+            near = hits[k] if k < n else FAR
             foot = eye.horizon + eye.focal * eye.height / near
             while y >= 0 and y > foot:
-                t = floor_t[y]
-                red, green, blue = _ground(atlas, eye.floor, floor_level[y], eye.x + t * dx, eye.y + t * dy)
-                fade = eye.gain / (1 + t / FADE)
+                t, fade = floor[y]
+                colour = _ground(texels, floor_tile[y, 0], floor_tile[y, 1], fx + t * fdx, fy + t * fdy)
                 if eye.gloss > 0.0:
                     share = eye.gloss * (0.3 + 0.7 * t / (t + 2.0))
-                    mr, mg, mb = _mirror(
-                        scene, atlas, eye, hits, places, levels, surfaces, sides, n, y - eye.horizon, t, dx, dy
-                    )
-                    keep, add = (1 - share) * fade, share * eye.gain
-                    _put(image[y, c], (red * keep + mr * add, green * keep + mg * add, blue * keep + mb * add), 1.0)
+                    scale, m = (y - eye.horizon) / eye.focal, k
+                    while m < n and (sides[m] == BACK or scale * hits[m] - eye.height >= skins[m, 6]):
+                        m += 1
+                    if m < n:
+                        v = (scale * hits[m] - eye.height) * skins[m, 4] - 0.5
+                        other = _blend(
+                            texels, int(skins[m, 0]), int(skins[m, 1]), v, int(skins[m, 3]), int(skins[m, 2])
+                        )
+                        shine = skins[m, 5] * eye.gain
+                    else:
+                        d, shine = mirror[y]
+                        other = _ground(texels, mirror_tile[y, 0], mirror_tile[y, 1], cx + d * cdx, cy + d * cdy)
+                    _put_both(pixels, 3 * (y * width + c), colour, (1 - share) * fade, other, share * shine)
                 else:
-                    _put(image[y, c], (red, green, blue), fade)
+                    _put(pixels, 3 * (y * width + c), colour, fade)
                 y -= 1
-            if k == n:
+            if k == n or y < 0:
                 break
-            s = surfaces[k]
-            top = scene.top[s]
-            head = eye.horizon - eye.focal * (top - eye.height) / near
+            head = eye.horizon - eye.focal * (skins[k, 6] - eye.height) / near
+            a, b, wu, nv = int(skins[k, 0]), int(skins[k, 1]), int(skins[k, 2]), int(skins[k, 3])
+            v0 = (eye.height + eye.horizon * near / eye.focal) * skins[k, 4] - 0.5
+            slope, fade = near / eye.focal * skins[k, 4], skins[k, 5] * eye.gain
             while y >= 0 and y >= head:
-                z = eye.height + (eye.horizon - y) * near / eye.focal
-                _put(image[y, c], _sample(atlas, scene.tile[s], levels[k], places[k, 0], z), places[k, 1] * eye.gain)
+                _put(pixels, 3 * (y * width + c), _blend(texels, a, b, v0 - y * slope, nv, wu), fade)
                 y -= 1
-            if y < 0:
-                break
-            if top < eye.height and scene.kind[s] != SEGMENT:
-                rim = eye.horizon + eye.focal * (eye.height - top) / _exit(scene.solid, hits, surfaces, sides, k, n)
+            s = surfaces[k]
+            if skins[k, 6] < eye.height and scene.kind[s] != SEGMENT:
+                far = _exit(scene.solid, hits, surfaces, sides, k, n)
+                rim = eye.horizon + eye.focal * (eye.height - skins[k, 6]) / far
+                lid = texels[atlas.offset[scene.tile[s], LEVELS - 1]] * np.uint64(4096)
                 while y >= 0 and y > rim:
-                    colour = _sample(atlas, scene.tile[s], LEVELS - 1, 0.0, 0.7 * top)
-                    _put(image[y, c], colour, 1.15 * eye.gain / (1 + near / FADE))
+                    _put(pixels, 3 * (y * width + c), lid, 1.1 * eye.gain / (1 + near / FADE))
                     y -= 1
         while y >= 0:
-            t = ceiling_t[y]
-            colour = _ground(atlas, eye.ceiling, ceiling_level[y], eye.x + t * dx, eye.y + t * dy)
-            _put(image[y, c], colour, eye.gain / (1 + t / FADE))
+            t, fade = ceiling[y]
+            colour = _ground(texels, ceiling_tile[y, 0], ceiling_tile[y, 1], cx + t * cdx, cy + t * cdy)
+            _put(pixels, 3 * (y * width + c), colour, fade)
             y -= 1
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def add_noise(image: NDArray[np.uint8], noise: NDArray[np.int8], start: int) -> None:
     """Add entries of a long noise table, from `start` on, to all pixels in place."""
     flat = image.reshape(-1)

@@ -12,7 +12,7 @@ from sim2d.driver import Driver
 from sim2d.laser import Laser
 from sim2d.odometer import Odometer
 from sim2d.path import of_route
-from sim2d.records import EPOCH_NS, OdometerReading, SimReading, SimTruth, TrueCalibration
+from sim2d.records import EPOCH_NS, OdometerReading, Rig, SimReading, SimTruth, TrueCalibration
 from sim2d.streams import stream
 from sim2d.world import World
 
@@ -53,6 +53,11 @@ class SimRobot:
     def true_calibration(self) -> TrueCalibration:
         """The systematic odometry errors drawn for this run."""
         return self._odometer.calibration
+
+    @property
+    def rig(self) -> Rig:
+        """The camera's rig, as each reading carries it."""
+        return self._camera.rig
 
     @property
     def route_length_m(self) -> float:
