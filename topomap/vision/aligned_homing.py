@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from dataclasses import dataclass
-from typing import Generic, TypeVar
+from typing import Generic, TypeVar, cast
 
 from topomap.contract import Aligner, HomingMethod
 from topomap.geometry import TAU, wrap
@@ -33,19 +34,17 @@ class AlignedHoming(Generic[D]):
     method: HomingMethod[D] | None = None
 
     def home(self, current: Panorama, goal: Panorama, prior: float | None = None) -> Homing:
-        """Return where the goal lies; prior: rotation [rad] from odometry. Raises DataError (needs not met)."""
+        """Return where the goal lies; prior: rotation [rad] from odometry. Raises DataError."""
         alignment = self.aligner.align(current, goal, prior)
         if self.method is None:
             return Homing(alignment.home or HomeVector(0.0, None, 0.0), alignment)
         check(self.method.needs, current)
         check(self.method.needs, goal)
         columns = current.columns(alignment.rotation) if self.method.needs.compass else 0
-        found = self.method.home(
-            _described(self.method, current.rolled(columns)), _described(self.method, goal)
-        )
+        found = self.method.home(_described(self.method, current.rolled(columns)), _described(self.method, goal))
         bearing = wrap(found.bearing - columns * TAU / current.rig.width)
         return Homing(HomeVector(bearing, found.distance, found.confidence), alignment)
 
 
 def _described(method: HomingMethod[D], panorama: Panorama) -> D:
-    return panorama.derived(method, method.describe)
+    return panorama.derived(cast(Hashable, method), method.describe)

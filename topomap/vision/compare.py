@@ -54,9 +54,7 @@ def normalised(pixels: Float32Array) -> Float32Array:
     return ((pixels - np.float32(pixels.mean(dtype=np.float64))) / np.float32(deviation)).astype(np.float32)
 
 
-def shrunk(
-    panorama: Panorama, columns: int, rows: int, blur: float = 0.0, colour: bool = False
-) -> Float32Array:
+def shrunk(panorama: Panorama, columns: int, rows: int, blur: float = 0.0, colour: bool = False) -> Float32Array:
     """Return the view at (rows, columns[, 3]) float32 grey values, area-averaged, blurred around the seam.
 
     Output column i is centred on input column (i + 0.5) W/columns - 0.5. A smaller panorama keeps its size.
@@ -123,9 +121,7 @@ def rotation_differences(current: Signature, spectra: Complex64Array) -> Rotatio
     Raises ShapeError.
     """
     if spectra.shape[1:] != current.spectrum.shape:
-        raise ShapeError(
-            f"stored spectra are {spectra.shape[1:]}, the signature's is {current.spectrum.shape}"
-        )
+        raise ShapeError(f"stored spectra are {spectra.shape[1:]}, the signature's is {current.spectrum.shape}")
     squares = squared_differences(current, spectra)
     best = squares.argmin(axis=1)
     rows, columns = np.arange(len(best)), squares.shape[1]

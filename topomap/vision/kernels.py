@@ -42,31 +42,33 @@ def spectra_products(
 def scale_planes(
     goal: Float32Array, current: Float32Array, goal_sum: Float32Array, current_sum: Float32Array, floor: float
 ) -> Float32Array:
-    """Return the scale-plane stack (2 K + 1, n, 2 n) of two views' magnified columns (K + 1, R, n).
+    """Return the scale-plane stack ((2 K + 1) P, n, 2 n) of two views' magnified columns (K + 1, P, R, n).
 
+    P phases: the columns at n bearings, then at bearings 1/P column further on, and so on; plane p P + phase.
     Plane K + k compares goal columns magnified by step^k with current ones (k >= 0), or current ones
     magnified by step^-k with goal ones (k < 0), by NSAD: sum |a - b| / (sum |a| + sum |b| + floor). The last
     axis runs over *minus* the current column, twice around, so that a search over rotations reads it forwards
     without wrapping.
     """
-    levels, rows, n = goal.shape
-    planes = np.empty((2 * levels - 1, n, 2 * n), np.float32)
+    levels, phases, rows, n = goal.shape
+    planes = np.empty(((2 * levels - 1) * phases, n, 2 * n), np.float32)
     total = np.empty(n, np.float32)
     for plane in range(2 * levels - 1):
         a = max(plane - levels + 1, 0)
         b = max(levels - 1 - plane, 0)
-        for i in range(n):
-            total[:] = 0.0
-            for r in range(rows):
-                value = goal[a, r, i]
-                for j in range(n):
-                    total[j] += abs(value - current[b, r, j])
-            for m in range(n):
-                j = (n - m) % n
-                size = goal_sum[a, i] + current_sum[b, j] + floor
-                nsad = total[j] / size if size > 1e-6 else 1.0
-                planes[plane, i, m] = nsad
-                planes[plane, i, m + n] = nsad
+        for phase in range(phases):
+            for i in range(n):
+                total[:] = 0.0
+                for r in range(rows):
+                    value = goal[a, 0, r, i]
+                    for j in range(n):
+                        total[j] += abs(value - current[b, phase, r, j])
+                for m in range(n):
+                    j = (n - m) % n
+                    size = goal_sum[a, 0, i] + current_sum[b, phase, j] + floor
+                    nsad = total[j] / size if size > 1e-6 else 1.0
+                    planes[plane * phases + phase, i, m] = nsad
+                    planes[plane * phases + phase, i, m + n] = nsad
     return planes
 
 
@@ -94,10 +96,10 @@ def warping_search(
             x = (i - alphas[a]) % n
             least[:] = 2.0
             for t in range(counts[x]):
-                row = planes[scales[x, t], i]
                 start = (first - i - shifts[x, t]) % n
+                row = planes[scales[x, t], i, start : start + width]
                 for p in range(width):
-                    value = row[start + p]
+                    value = row[p]
                     least[p] = value if value < least[p] else least[p]
             for p in range(width):
                 cost[a, p] += least[p]
@@ -106,7 +108,9 @@ def warping_search(
 
 @njit(cache=True)  # type: ignore[untyped-decorator]  # numba has no types
 def absolute_differences(current: Float32Array, goal: Float32Array) -> Float64Array:
-    """Return the mean absolute difference (C,) of goal (R, C) and current (R, C) rolled by 0, 1, .. C-1 columns."""
+    """Return the mean absolute difference (C,) of goal (R, C) and current (R, C) rolled by 0, 1, .. C-1
+    columns.
+    """
     rows, columns = goal.shape
     total = np.zeros(columns, np.float32)
     twice = np.empty(2 * columns, np.float32)
@@ -118,48 +122,50 @@ def absolute_differences(current: Float32Array, goal: Float32Array) -> Float64Ar
             start = columns - i
             for k in range(columns):
                 total[k] += abs(value - twice[start + k])
-    return total.astype(np.float64) / (rows * columns)
+    mean: Float64Array = total.astype(np.float64) / (rows * columns)
+    return mean
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]  # numba has no types
 def dtw_path(home: Float32Array, current: Float32Array, band: int) -> tuple[Float64Array, float]:
     """Match two sequences (F, L) by dynamic time warping within |i - j| <= band (Sakoe, Chiba 1978).
 
-    Returns for each home index the mean of the matched current indices minus itself (L,), and the path's cost:
-    the sum of absolute differences along it per step and feature.
+    Returns for each home index the mean of the matched current indices minus itself (L,), and the path's
+    cost: the sum of absolute differences along it per step and feature.
     """
     features, length = home.shape
     width = 2 * band + 1
     step = np.zeros((length, width), np.int8)  # 0 both on, 1 home on, 2 current on
     before = np.full(width + 1, np.inf, np.float32)
-    now = np.full(width + 1, np.inf, np.float32)
     local = np.empty(width, np.float32)
+    least = np.empty(width, np.float32)
     for i in range(length):
         low, high = max(0, band - i), min(width, length - i + band)
         local[:] = 0.0
         for f in range(features):
             value = home[f, i]
-            for o in range(low, high):
-                local[o] += abs(value - current[f, i + o - band])
-        now[:] = np.inf
-        left = np.float32(np.inf)
+            ahead = current[f, i + low - band : i + high - band]
+            near = local[low:high]
+            for o in range(len(ahead)):
+                near[o] += abs(value - ahead[o])
         for o in range(low, high):
-            least, way = before[o], 0
-            if before[o + 1] < least:
-                least, way = before[o + 1], 1
-            if left < least:
-                least, way = left, 2
-            if i == 0 and o == band:
-                least, way = np.float32(0.0), 0
-            left = least + local[o]
-            now[o] = left
-            step[i, o] = way
-        before, now = now, before
-    return _walked_back(step, band, float(before[band]) / features)
+            least[o] = before[o + 1] if before[o + 1] < before[o] else before[o]
+            step[i, o] = 1 if before[o + 1] < before[o] else 0
+        if i == 0:
+            least[band] = 0.0
+            step[0, band] = 0
+        left = np.float32(np.inf)
+        before[:] = np.inf
+        for o in range(low, high):
+            step[i, o] = 2 if left < least[o] else step[i, o]
+            left = (left if left < least[o] else least[o]) + local[o]
+            before[o] = left
+    shift, steps = _walked_back(step, band)
+    return shift, float(before[band]) / features / steps
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]  # numba has no types
-def _walked_back(step: Int8Array, band: int, total: float) -> tuple[Float64Array, float]:
+def _walked_back(step: Int8Array, band: int) -> tuple[Float64Array, int]:
     length = step.shape[0]
     shift, count = np.zeros(length), np.zeros(length)
     i, o, steps = length - 1, band, 0
@@ -168,7 +174,7 @@ def _walked_back(step: Int8Array, band: int, total: float) -> tuple[Float64Array
         count[i] += 1.0
         steps += 1
         if i == 0 and o == band:
-            return shift / count, total / steps
+            return shift / count, steps
         way = step[i, o]
         if way == 1:
             i, o = i - 1, o + 1
@@ -185,15 +191,21 @@ def block_differences(home: Float32Array, current: Float32Array, reach: int, hal
     """
     features, length = home.shape
     shifts = 2 * reach + 1
+    around = np.empty(length + 2 * reach, np.float32)
     single = np.zeros((length, shifts), np.float32)
-    for i in range(length):
-        for f in range(features):
+    for f in range(features):
+        for j in range(length + 2 * reach):
+            around[j] = current[f, (j - reach) % length]
+        for i in range(length):
             value = home[f, i]
+            row, ahead = single[i], around[i : i + shifts]
             for s in range(shifts):
-                single[i, s] += abs(value - current[f, (i + s - reach) % length])
+                row[s] += abs(value - ahead[s])
     summed = np.zeros((length, shifts), np.float32)
     for i in range(length):
+        row = summed[i]
         for k in range(i - half, i + half + 1):
+            one = single[k % length]
             for s in range(shifts):
-                summed[i, s] += single[k % length, s]
+                row[s] += one[s]
     return summed

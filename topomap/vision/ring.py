@@ -1,4 +1,6 @@
-"""The ring around the horizon: a panorama's middle rows, averaged in a few bands, as sequences over the bearing."""
+"""The ring around the horizon: a panorama's middle rows, averaged in a few bands, as sequences over the
+bearing.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,9 @@ from topomap.vision.panorama import Panorama
 
 @dataclass(frozen=True, slots=True)
 class RingSpec:
-    """The recipe: columns; bands between top and bottom (shares of the height); blur (sigma) [columns]; colour."""
+    """The recipe: columns; bands between top and bottom (shares of the height); blur (sigma) [columns];
+    colour.
+    """
 
     columns: int = 360
     bands: int = 5
@@ -24,8 +28,13 @@ class RingSpec:
     colour: bool = True
 
 
+RING = RingSpec()
+
+
 def ring(panorama: Panorama, spec: RingSpec) -> Float32Array:
-    """Return the bands (F, C) float32, of mean 0 and variance 1 over all, computed once per panorama and recipe."""
+    """Return the bands (F, C) float32, of mean 0 and variance 1 over all, computed once per panorama and
+    recipe.
+    """
     return panorama.derived(spec, lambda p: _ring(p, spec))
 
 

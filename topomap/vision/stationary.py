@@ -15,9 +15,9 @@ from topomap.vision.kernels import block_differences
 
 @dataclass(frozen=True, slots=True)
 class Flow:
-    """The flow fitted by a sin t + b cos t + c: direction [rad] of the movement goal -> current in the aligned
-    frame (the diffusion point; the convergence point lies opposite), strength [rad], turn c [rad], the compass's
-    error.
+    """The flow fitted by a sin t + b cos t + c: direction [rad] of the movement goal -> current in the
+    aligned frame (the diffusion point; the convergence point lies opposite), strength [rad], turn c [rad],
+    the compass's error.
     """
 
     direction: float
@@ -34,14 +34,17 @@ class FlowSpec:
     rounds: int = 8
 
 
+FLOW = FlowSpec()
+
+
 def fitted_flow(current: Float32Array, goal: Float32Array, spec: FlowSpec) -> Flow:
     """Return the flow between two aligned rings (F, C) (METHODS H24: step direction atan2(-b, a))."""
     flow, weight = measured_flow(current, goal, spec)
     angles = np.arange(len(flow)) * (TAU / len(flow))
     design = np.column_stack([np.sin(angles), np.cos(angles), np.ones(len(flow))])
-    fit = np.zeros(3)
+    fit: FloatArray = np.zeros(3)
     scale = math.radians(20.0)
-    robust = np.ones(len(flow))
+    robust: FloatArray = np.ones(len(flow))
     for _ in range(spec.rounds):
         w = weight * robust
         normal = design.T @ (design * w[:, np.newaxis]) + 1e-9 * np.eye(3)
@@ -52,7 +55,7 @@ def fitted_flow(current: Float32Array, goal: Float32Array, spec: FlowSpec) -> Fl
 
 
 def measured_flow(current: Float32Array, goal: Float32Array, spec: FlowSpec) -> tuple[FloatArray, FloatArray]:
-    """Return how far each goal column has moved in the current ring [rad], and how sure that is, (C,) each."""
+    """Return how far each goal column has moved in the current ring [rad] and how sure that is, (C,)."""
     columns = goal.shape[1]
     step = TAU / columns
     reach, half = max(round(spec.reach / step), 1), max(round(spec.half / step), 1)

@@ -11,73 +11,25 @@ import math
 from dataclasses import dataclass
 from functools import lru_cache
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from topomap.geometry import TAU, FloatArray, wrap
 from topomap.types import Alignment, Float32Array, HomeVector
-from topomap.vision.compare import normalised, shrunk
 from topomap.vision.kernels import IntArray, scale_planes, warping_search
-from topomap.vision.panorama import Panorama
+from topomap.vision.scale_planes import WarpingView
 
-
-@dataclass(frozen=True, slots=True)
-class WarpingSpec:
-    """The recipe: columns, rows [pixels] of the small views; levels magnifications step^k, k = 1 .. levels,
-    each way; floor: what is added to NSAD's denominator, in units of the mean column's, so that empty columns
-    don't shout.
-    """
-
-    columns: int = 72
-    rows: int = 100
-    levels: int = 4
-    step: float = 1.08
-    floor: float = 0.25
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class WarpingView:
-    """What min-warping keeps of a panorama: vertical differences of its columns at each magnification about
-    the horizon, edges (levels + 1, R, n) float32, their absolute sums (levels + 1, n), and the bearing [rad]
-    of column 0.
-    """
-
-    edges: Float32Array
-    sums: Float32Array
-    first_bearing: float
-    spec: WarpingSpec
-
-
-def warping_view(panorama: Panorama, spec: WarpingSpec) -> WarpingView:
-    """Return the panorama as min-warping needs it, computed once per panorama and recipe."""
-    return panorama.derived(spec, lambda p: _warping_view(p, spec))
-
-
-def _warping_view(panorama: Panorama, spec: WarpingSpec) -> WarpingView:
-    small = normalised(shrunk(panorama, spec.columns, spec.rows))
-    rows, columns = small.shape
-    horizon = (panorama.rig.horizon_row + 0.5) * rows / panorama.rig.height - 0.5
-    stack = [_magnified(small, spec.step**k, horizon) for k in range(spec.levels + 1)]
-    edges = np.ascontiguousarray(np.diff(np.stack(stack), axis=1), np.float32)
-    bearing = 0.5 * (panorama.rig.width / columns - 1.0) * TAU / panorama.rig.width
-    return WarpingView(edges, np.abs(edges).sum(axis=1), bearing, spec)
-
-
-def _magnified(small: Float32Array, factor: float, horizon: float) -> Float32Array:
-    rows = horizon + (np.arange(small.shape[0], dtype=np.float32) - np.float32(horizon)) / np.float32(factor)
-    maps = np.meshgrid(np.arange(small.shape[1], dtype=np.float32), rows.astype(np.float32))
-    return np.asarray(
-        cv2.remap(small, maps[0], maps[1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE), np.float32
-    )
+NOISE, CLEAR = 0.08, 0.35
+"""How far the best direction's cost lies below the mean of all: unrelated views or noise, and a clear view.
+"""
 
 
 @lru_cache(maxsize=8)
-def _movements(n: int, levels: int, step: float) -> tuple[IntArray, IntArray, IntArray]:
+def _movements(n: int, phases: int, levels: int, step: float) -> tuple[IntArray, IntArray, IntArray]:
     """Return for each x [columns] the shifts y [columns], (n, T), their planes (n, T) and how many there are
     (n,).
     """
-    rows = [_shifts(x, n, levels, step) for x in range(n)]
+    rows = [_shifts(x, n, phases, levels, step) for x in range(n)]
     longest = max(len(row) for row in rows)
     table = np.zeros((2, n, longest), np.int64)
     for x, row in enumerate(rows):
@@ -85,21 +37,22 @@ def _movements(n: int, levels: int, step: float) -> tuple[IntArray, IntArray, In
     return table[0], table[1], np.array([len(row) for row in rows], np.int64)
 
 
-def _shifts(x: int, n: int, levels: int, step: float) -> list[tuple[int, int]]:
+def _shifts(x: int, n: int, phases: int, levels: int, step: float) -> list[tuple[int, int]]:
     """Ahead and astern nothing shifts and only the size changes; abeam the shift fixes the size."""
     angle = wrap(x * TAU / n)
     if x == 0:
-        return [(0, plane) for plane in range(levels, 2 * levels + 1)]
+        return [(0, plane * phases) for plane in range(levels, 2 * levels + 1)]
     if 2 * x == n:
-        return [(0, plane) for plane in range(levels + 1)]
+        return [(0, plane * phases) for plane in range(levels + 1)]
     found = []
-    for y in range(n // 2):
-        turned = angle + math.copysign(y * TAU / n, angle)
+    for fine in range(n * phases // 2):
+        turned = angle + math.copysign(fine * TAU / (n * phases), angle)
         if abs(turned) >= math.pi - 1e-9:
             break
         plane = round(math.log(math.sin(turned) / math.sin(angle)) / math.log(step)) + levels
         if 0 <= plane <= 2 * levels:
-            found.append((int(math.copysign(y, angle)), plane))
+            whole, phase = divmod(int(math.copysign(fine, angle)), phases)
+            found.append((whole, plane * phases + phase))
     return found
 
 
@@ -121,14 +74,12 @@ class WarpingCost:
         return bool(self.cost.shape[0] == self.cost.shape[1])
 
 
-def warp(
-    current: WarpingView, goal: WarpingView, prior: float | None = None, window: float = math.pi
-) -> WarpingCost:
+def warp(current: WarpingView, goal: WarpingView, prior: float | None = None, window: float = math.pi) -> WarpingCost:
     """Search alpha everywhere and rotation within prior +- window [rad] (None: everywhere)."""
-    n = goal.edges.shape[2]
-    floor = goal.spec.floor * float(goal.sums[0].mean() + current.sums[0].mean())
+    n = goal.edges.shape[3]
+    floor = goal.spec.floor * float(goal.sums[0, 0].mean() + current.sums[0, 0].mean())
     planes = scale_planes(goal.edges, current.edges, goal.sums, current.sums, floor)
-    shifts, scales, counts = _movements(n, goal.spec.levels, goal.spec.step)
+    shifts, scales, counts = _movements(n, goal.edges.shape[1], goal.spec.levels, goal.spec.step)
     first, width = _rotations(prior, window, n)
     cost = warping_search(planes, shifts, scales, counts, np.arange(n), first, width)
     sample = cost if width == n else warping_search(planes, shifts, scales, counts, np.arange(0, n, 9), 0, n)
@@ -155,7 +106,8 @@ def best(found: WarpingCost) -> Alignment:
     least, mean = float(found.cost[alpha, turn]), float(found.cost[:, turn].mean())
     rotation = wrap((found.first + int(turn) + d_turn) * TAU / n)
     direction = (int(alpha) + d_alpha) * TAU / n + found.first_bearing
-    confidence = min(max(1.0 - least / mean, 0.0), 1.0) if mean > 1e-9 else 0.0
+    contrast = 1.0 - least / mean if mean > 1e-9 else 0.0
+    confidence = min(max((contrast - NOISE) / (CLEAR - NOISE), 0.0), 1.0)
     home = HomeVector(wrap(direction + math.pi - rotation), None, confidence)
     return Alignment(rotation, least / found.level if found.level > 1e-9 else 1.0, home)
 

@@ -12,7 +12,7 @@ from topomap.vision.panorama import Panorama
 
 @dataclass(frozen=True, slots=True)
 class GivenHeading:
-    """The prior itself; without one the headings are taken to be the same. The residual is the aligned rms."""
+    """The prior itself; without one the headings are taken as the same. The residual is the aligned rms."""
 
     spec: SignatureSpec = ARRIVAL
 

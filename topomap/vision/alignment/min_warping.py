@@ -7,23 +7,25 @@ from dataclasses import dataclass
 from typing import Literal
 
 from topomap.types import Alignment
-from topomap.vision.alignment.visual_compass import VisualCompass
+from topomap.vision.alignment.visual_compass import VISUAL_COMPASS, VisualCompass
 from topomap.vision.panorama import Panorama
-from topomap.vision.warping import WarpingSpec, best, warp, warping_view
+from topomap.vision.scale_planes import WARPING, WarpingSpec, warping_view
+from topomap.vision.warping import best, warp
 
 
 @dataclass(frozen=True, slots=True)
 class MinWarpingCompass:
     """The rotation of the best (alpha, psi) of `topomap.vision.warping`, with its home vector.
 
-    search: every rotation ("full"), or near the visual compass ("compass") where no prior is given; window [rad]:
-    how far from the prior, or else from the visual compass. The residual is the cost over a wrong movement's.
+    search: every rotation ("full"), or near the visual compass ("compass") where no prior is given; window
+    [rad]: how far from the prior, or else from the visual compass. The residual is the cost over a wrong
+    movement's.
     """
 
-    spec: WarpingSpec = WarpingSpec()
+    spec: WarpingSpec = WARPING
     search: Literal["full", "compass"] = "full"
     window: float = math.radians(30.0)
-    compass: VisualCompass = VisualCompass()
+    compass: VisualCompass = VISUAL_COMPASS
 
     def align(self, current: Panorama, goal: Panorama, prior: float | None = None) -> Alignment:
         """Return rotation [rad], residual (0 same, about 0.95 unrelated) and home vector."""

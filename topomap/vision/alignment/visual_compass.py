@@ -16,17 +16,19 @@ from topomap.vision.kernels import absolute_differences
 from topomap.vision.panorama import Panorama
 
 Curve = NDArray[np.float64]
+_SHARP = SignatureSpec(columns=180, rows=25, blur=0.0)
 
 
 @dataclass(frozen=True, slots=True)
 class VisualCompass:
     """argmin over shifts k of the difference of goal and roll(current, k), to a fraction of a column (2.6).
 
-    spec: the pictures compared; form: squared differences, by Fourier transform, or absolute ones, as printed;
-    window [rad]: how far from a prior to search. The residual is the rms (ssd) or mean absolute (sad) difference.
+    spec: the pictures compared; form: squared differences, by Fourier transform, or absolute ones, as
+    printed; window [rad]: how far from a prior to search. The residual is the rms (ssd) or mean absolute
+    (sad) difference.
     """
 
-    spec: SignatureSpec = SignatureSpec(columns=180, rows=25, blur=0.0)
+    spec: SignatureSpec = _SHARP
     form: Literal["ssd", "sad"] = "ssd"
     window: float = math.radians(45.0)
 
@@ -47,9 +49,14 @@ class VisualCompass:
     def curve(self, current: Signature, goal: Signature) -> Curve:
         """Return the mean squared or absolute difference (C,) at every shift of the current picture."""
         if self.form == "ssd":
-            return squared_differences(current, goal.spectrum[np.newaxis])[0]
+            squares: Curve = squared_differences(current, goal.spectrum[np.newaxis])[0]
+            return squares
         return np.asarray(absolute_differences(current.pixels, goal.pixels), np.float64)
 
     def _near(self, columns: int, prior: float) -> NDArray[np.bool_]:
-        apart = wrap_all(np.arange(columns) * (TAU / columns) - prior)
-        return np.abs(apart) <= max(self.window, TAU / columns)
+        angles = np.arange(columns, dtype=np.float64) * (TAU / columns) - prior
+        near: NDArray[np.bool_] = np.abs(wrap_all(angles)) <= max(self.window, TAU / columns)
+        return near
+
+
+VISUAL_COMPASS = VisualCompass()

@@ -9,7 +9,8 @@ from typing import ClassVar
 from topomap.types import HomeVector
 from topomap.vision.homing.needs import Needs
 from topomap.vision.panorama import Panorama
-from topomap.vision.warping import WarpingSpec, WarpingView, best, warp, warping_view
+from topomap.vision.scale_planes import WARPING, WarpingSpec, WarpingView, warping_view
+from topomap.vision.warping import best, warp
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,7 +22,7 @@ class MinWarping:
 
     needs: ClassVar[Needs] = Needs()
     claims_homing: ClassVar[bool] = True
-    spec: WarpingSpec = WarpingSpec()
+    spec: WarpingSpec = WARPING
     window: float = math.pi
 
     def describe(self, panorama: Panorama) -> WarpingView:

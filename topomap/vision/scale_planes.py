@@ -1,0 +1,69 @@
+"""The scale-plane stack's one side: a panorama's edge columns at several magnifications about the horizon."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from topomap.geometry import TAU
+from topomap.types import Float32Array
+from topomap.vision.compare import normalised, shrunk
+from topomap.vision.panorama import Panorama
+
+
+@dataclass(frozen=True, slots=True)
+class WarpingSpec:
+    """The recipe: columns, rows [pixels] of the small views; phases: how many fractions of a column a
+    landmark's shift may have; levels magnifications step^k, k = 1 .. levels, each way; floor: what is added
+    to NSAD's denominator, in units of the mean column's, so that empty columns don't shout.
+    """
+
+    columns: int = 72
+    rows: int = 50
+    phases: int = 2
+    levels: int = 4
+    step: float = 1.08
+    floor: float = 0.25
+
+
+WARPING = WarpingSpec()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WarpingView:
+    """What min-warping keeps of a panorama: vertical differences of its columns at each magnification about
+    the horizon, edges (levels + 1, phases, R, n) float32, their absolute sums (levels + 1, phases, n), and
+    the bearing [rad] of column 0.
+    """
+
+    edges: Float32Array
+    sums: Float32Array
+    first_bearing: float
+    spec: WarpingSpec
+
+
+def warping_view(panorama: Panorama, spec: WarpingSpec) -> WarpingView:
+    """Return the panorama as min-warping needs it, computed once per panorama and recipe."""
+    return panorama.derived(spec, lambda p: _warping_view(p, spec))
+
+
+def _warping_view(panorama: Panorama, spec: WarpingSpec) -> WarpingView:
+    width = panorama.rig.width
+    columns = max(min(spec.columns, width // spec.phases), 1)
+    phases = min(spec.phases, width)
+    fine = normalised(shrunk(panorama, columns * phases, spec.rows))
+    turns = np.stack([np.roll(fine, -k, axis=1) for k in range(phases)])
+    wide: Float32Array = turns.mean(axis=0)
+    horizon = (panorama.rig.horizon_row + 0.5) * len(wide) / panorama.rig.height - 0.5
+    stack = np.stack([_magnified(wide, spec.step**k, horizon) for k in range(spec.levels + 1)])
+    edges = np.diff(stack, axis=1).reshape(spec.levels + 1, len(wide) - 1, columns, phases)
+    edges = np.ascontiguousarray(edges.transpose(0, 3, 1, 2), np.float32)
+    return WarpingView(edges, np.abs(edges).sum(axis=2), 0.5 * (TAU / columns - TAU / width), spec)
+
+
+def _magnified(small: Float32Array, factor: float, horizon: float) -> Float32Array:
+    rows = horizon + (np.arange(small.shape[0], dtype=np.float32) - np.float32(horizon)) / np.float32(factor)
+    maps = np.meshgrid(np.arange(small.shape[1], dtype=np.float32), rows.astype(np.float32))
+    return np.asarray(cv2.remap(small, maps[0], maps[1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE), np.float32)
