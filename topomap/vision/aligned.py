@@ -11,9 +11,7 @@ from topomap.vision.compare import ARRIVAL, SignatureSpec, signature
 from topomap.vision.panorama import Panorama
 
 
-def aligned_difference(
-    current: Panorama, goal: Panorama, rotation: float, spec: SignatureSpec = ARRIVAL
-) -> float:
+def aligned_difference(current: Panorama, goal: Panorama, rotation: float, spec: SignatureSpec = ARRIVAL) -> float:
     """Return the rms difference of two views after the current one is rolled by `rotation` [rad].
 
     The roll is exact to fractions of a column (a phase shift of the spectrum). 0 same, about 1.4 unrelated.

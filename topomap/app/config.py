@@ -1,0 +1,107 @@
+"""The configuration of a run: sections of the stack, the simulator and the log, read by one strict loader."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel, Field, ValidationError
+
+from logs.config import LogConfig
+from sim2d.config import SimConfig
+from topomap.errors import ConfigError
+from topomap.mapping.mapper import MapperSettings
+from topomap.navigation.mission import MissionSettings
+from topomap.navigation.traveller import TravelSettings
+
+
+class StackConfig(BaseModel, frozen=True, extra="forbid"):
+    """The stack's settings."""
+
+    mapper: MapperSettings = MapperSettings()
+    mission: MissionSettings = MissionSettings()
+    travel: TravelSettings = TravelSettings()
+
+
+class RunConfig(BaseModel, frozen=True, extra="forbid"):
+    """All settings of a run; `resolved` is what is stored in its log."""
+
+    stack: StackConfig = Field(default_factory=StackConfig)
+    sim: SimConfig = Field(default_factory=SimConfig)
+    log: LogConfig = Field(default_factory=LogConfig)
+
+    def resolved(self) -> dict[str, Any]:
+        """Return the settings as plain JSON values."""
+        return self.model_dump(mode="json")
+
+
+def load_config(path: Path | None = None, overrides: Iterable[str] = ()) -> RunConfig:
+    """Return the defaults, changed by a TOML file and then by `section.key=value` words.
+
+    Raises ConfigError with one line that names the file or word, the key, the value and what would be right.
+    """
+    return parse_config(_read(path) if path else {}, str(path), overrides)
+
+
+def parse_config(values: dict[str, Any], source: str, overrides: Iterable[str] = ()) -> RunConfig:
+    """Return the configuration of plain values, as a file or a log holds them, changed by `section.key=value` words.
+
+    Raises ConfigError.
+    """
+    config = _parse(values, source)  # alone, so that a mistake in the source is blamed on it
+    for word in overrides:
+        _set(values, word)
+        config = _parse(values, f"--set {word}")
+    return config
+
+
+def _read(path: Path) -> dict[str, Any]:
+    try:
+        return tomllib.loads(path.read_text(encoding="utf8"))
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read: {error.strerror or error}") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ConfigError(f"{path}: not a TOML file: {error}") from error
+
+
+def _set(values: dict[str, Any], word: str) -> None:
+    key, equals, text = word.partition("=")
+    names = key.strip().split(".")
+    if not equals or not all(names):
+        raise ConfigError(f"--set {word}: expected section.key=value, as in stack.mapper.snapshots.threshold=0.7")
+    for name in names[:-1]:
+        values = values.setdefault(name, {})
+        if not isinstance(values, dict):
+            raise ConfigError(f"--set {word}: {name} is a value, not a section")
+    values[names[-1]] = _value(text.strip())
+
+
+def _value(text: str) -> Any:
+    try:
+        return tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError:
+        return text
+
+
+def _parse(values: dict[str, Any], source: str) -> RunConfig:
+    try:
+        return RunConfig.model_validate(values)
+    except ValidationError as error:
+        raise ConfigError(f"{source}: {_one_line(error)}") from error
+
+
+def _one_line(error: ValidationError) -> str:
+    first = error.errors()[0]
+    path = [str(part) for part in first["loc"]]
+    if first["type"] == "extra_forbidden":
+        return f"unknown key {'.'.join(path)}; known there: {', '.join(_keys(path[:-1]))}"
+    return f"{'.'.join(path)} = {first['input']!r}: {first['msg'][0].lower()}{first['msg'][1:]}"
+
+
+def _keys(path: list[str]) -> list[str]:
+    model: Any = RunConfig
+    for name in path:
+        model = model.model_fields[name].annotation
+    return sorted(model.model_fields)

@@ -1,0 +1,32 @@
+"""What a log holds, as rows for a terminal."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from logs.errors import LogError
+from logs.info import info
+from topomap.errors import DataError
+
+Rows = list[tuple[str, str]]
+
+
+def describe_log(path: Path) -> tuple[Rows, Rows]:
+    """Return rows on the log and rows of its topics. Raises DataError."""
+    try:
+        found = info(path)
+    except LogError as error:
+        raise DataError(str(error)) from error
+    state = "complete" if found.complete else f"not complete: {found.note}"
+    about = [
+        ("world", found.header.world),
+        ("seed", str(found.header.seed)),
+        ("state", state),
+        ("steps", str(found.steps)),
+        ("duration", f"{found.duration_s:.1f} s"),
+        ("size", f"{found.size / 1e6:.1f} MB"),
+        ("messages", str(found.messages)),
+        ("attachments", ", ".join(found.attachments)),
+        ("versions", ", ".join(f"{name} {number}" for name, number in found.header.versions.items())),
+    ]
+    return about, [(t.topic, f"{t.messages} x {t.schema}") for t in found.topics]

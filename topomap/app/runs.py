@@ -1,0 +1,178 @@
+"""Runs from the first reading to the report: simulated or replayed, whole or interrupted."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Protocol
+
+from logs.errors import LogError
+from logs.header import Header
+from logs.recorder import Recorder
+from logs.replay import ReplayRobot
+from sim2d import worlds
+from sim2d.errors import WorldError
+from sim2d.robot import SimRobot
+from topomap.app.config import RunConfig, parse_config
+from topomap.app.folder import RunFolder
+from topomap.app.interrupt import stop_on_signal
+from topomap.app.load import load_run
+from topomap.app.to_log import run_header
+from topomap.app.translate import FinalMap, RunRecorder
+from topomap.app.wiring import build_navigator, versions
+from topomap.contract import Reading, Robot, TruthSource
+from topomap.errors import DataError
+from topomap.geometry import Pose2
+from topomap.mapping.mapfile import save_map
+from topomap.navigation.navigator import Navigator
+from topomap.navigation.runner import run
+from topomap.study.report import write_report
+from topomap.study.run_data import RunData, TrueCalibration
+from topomap.study.summary import summarise, write_summary
+from topomap.types import Phase, StepRecord
+
+Progress = Callable[[int], None]
+
+
+class RecordedRobot(Robot, TruthSource, Protocol):
+    """A robot whose truth may be recorded."""
+
+
+@dataclass(frozen=True)
+class RunResult:
+    """A finished run: its folder, its summary, and whether it was interrupted."""
+
+    folder: RunFolder
+    summary: dict[str, Any]
+    interrupted: bool
+
+
+def open_world(name: str, seed: int, config: RunConfig) -> SimRobot:
+    """Return the robot in a named world. Raises DataError for an unknown world."""
+    try:
+        return SimRobot(worlds.load(name), config.sim, seed)
+    except WorldError as error:
+        raise DataError(str(error)) from error
+
+
+def run_world(robot: SimRobot, seed: int, config: RunConfig, folder: RunFolder, progress: Progress) -> RunResult:
+    """Drive, map, close loops and go home in a simulated world; write log, map, summary and report."""
+    known = robot.true_calibration
+    header = run_header(
+        robot.world.name,
+        robot.rig,
+        seed,
+        config.resolved(),
+        versions(),
+        robot.truth(),
+        TrueCalibration(known.rotation_scale, known.distance_scale, known.curvature),
+        robot.world.plan(),
+    )
+    return _execute(robot, header, config, folder, progress)
+
+
+def replay_log(robot: ReplayRobot, config: RunConfig, folder: RunFolder, progress: Progress) -> RunResult:
+    """Take a log's readings through the stack again and write what a run writes; journeys are then not made anew."""
+    return _execute(robot, replace(robot.header, replayed=True), config, folder, progress)
+
+
+def conclude(data: RunData, folder: RunFolder, interrupted: bool = False) -> RunResult:
+    """Write summary and report of a run. Raises DataError where they can't be written."""
+    summary = summarise(data)
+    try:
+        write_summary(folder.summary, summary)
+        write_report(data, folder.report)
+    except OSError as error:
+        raise DataError(f"{folder.path}: can't be written ({error.strerror})") from error
+    return RunResult(folder, summary, interrupted)
+
+
+class _Watch:
+    """Hands each step to the recorder, with the truth, and to the progress bar."""
+
+    def __init__(self, recorder: RunRecorder, truth: TruthSource, progress: Progress) -> None:
+        self.recorder, self._truth, self._progress = recorder, truth, progress
+        self.steps = 0
+        self.last: StepRecord | None = None
+
+    def observe(self, reading: Reading, record: StepRecord) -> None:
+        self.recorder.observe(reading, record, self._truth.truth())
+        self.steps, self.last = self.steps + 1, record
+        self._progress(self.steps)
+
+
+def _execute(
+    robot: RecordedRobot, header: Header, config: RunConfig, folder: RunFolder, progress: Progress
+) -> RunResult:
+    """Run with a log that is closed whatever happens, then write map, summary and report."""
+    navigator = build_navigator(config.stack)
+    try:
+        with Recorder.of(folder.log, header, config.log) as recorder, stop_on_signal() as stopped:
+            watch = _Watch(RunRecorder(recorder, lambda: _nodes(navigator)), robot, progress)
+            began = time.perf_counter()
+            run(robot, navigator, (watch,), stopped)
+            _finish(navigator, watch, time.perf_counter() - began, folder)
+            interrupted = stopped()
+    except LogError as error:
+        raise DataError(str(error)) from error
+    return conclude(load_run(folder.log), folder, interrupted)
+
+
+def _finish(navigator: Navigator, watch: _Watch, seconds: float, folder: RunFolder) -> None:
+    """End the map and write it into the log and beside it."""
+    if watch.last is None:
+        return
+    navigator.mapper.finish(watch.last.stamp_ns)
+    watch.recorder.finish(_final_map(navigator, watch.last, watch.steps / seconds))
+    save_map(navigator.mapper.map, folder.map)
+
+
+def _final_map(navigator: Navigator, last: StepRecord, steps_per_s: float) -> FinalMap:
+    mapper = navigator.mapper
+    topo = mapper.map
+    stamps, poses = topo.trajectory()
+    travel = last.travel.phase
+    asked = last.goal.phase is Phase.TRAVEL
+    return FinalMap(
+        stamps,
+        poses,
+        tuple((i, n.stamp_ns, topo.pose(i), n.snapshot is not None) for i, n in enumerate(topo.nodes)),
+        tuple((a, b, data["kind"]) for a, b, data in topo.graph.edges(data=True)),
+        mapper.correction.state,
+        mapper.graph_hash(),
+        steps_per_s,
+        travel is Phase.ARRIVED if asked else None,
+        last.goal.node,
+    )
+
+
+def _nodes(navigator: Navigator) -> list[tuple[int, Pose2, bool]]:
+    topo = navigator.mapper.map
+    return [(i, topo.pose(i), node.snapshot is not None) for i, node in enumerate(topo.nodes)]
+
+
+def open_log(path: Path, settings: Iterable[str] = ()) -> tuple[ReplayRobot, RunConfig]:
+    """Return a log as a robot, and its stored configuration changed by `section.key=value` words.
+
+    Raises DataError or ConfigError.
+    """
+    try:
+        robot = ReplayRobot(path)
+        return robot, parse_config(json.loads(robot.header.config), f"{path}: its stored configuration", settings)
+    except LogError as error:
+        raise DataError(str(error)) from error
+
+
+def report_log(path: Path, out: Path) -> RunResult:
+    """Write the summary and the report of a log into a folder. Raises DataError."""
+    folder = RunFolder.create(out)
+    return conclude(load_run(path), folder)
+
+
+def same_hash(path: Path, summary: Mapping[str, Any]) -> bool | None:
+    """Return whether a summary has the graph hash of a log's run; None where the log was cut off before it had one."""
+    recorded = load_run(path).graph_hash
+    return summary["graph_hash"] == recorded if recorded else None

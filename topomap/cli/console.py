@@ -1,0 +1,47 @@
+"""What every command shares: the console, the progress bar, one clear line for an expected error."""
+
+from __future__ import annotations
+
+import signal
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FrameType
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
+
+console = Console()
+Advance = Callable[[int], None]
+
+
+@contextmanager
+def progress(label: str, total: int | None) -> Iterator[Advance]:
+    """Show a bar on a terminal and nothing in a pipe; yields a function that takes the steps done so far."""
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
+        task = bar.add_task(label, total=total)
+        yield lambda done: bar.update(task, completed=done)
+
+
+def table(rows: list[tuple[str, str]], title: str) -> None:
+    """Print rows of name and value."""
+    shown = Table(title=title, show_header=False, title_justify="left")
+    for name, value in rows:
+        shown.add_row(name, value)
+    console.print(shown)
+
+
+def fail(message: str) -> None:
+    """Print one line on standard error."""
+    print(f"topomap: {' '.join(message.split())}", file=sys.stderr)
+
+
+def terminate_as_interrupt() -> None:
+    """Let SIGTERM end a run as Ctrl-C does: wheels stopped, log closed, summary written."""
+
+    def interrupt(_: int, __: FrameType | None) -> None:
+        raise KeyboardInterrupt
+
+    signal.signal(signal.SIGTERM, interrupt)

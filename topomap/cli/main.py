@@ -1,0 +1,44 @@
+"""The command line: parses arguments, prints, exits; nothing else."""
+
+from __future__ import annotations
+
+import sys
+
+import typer
+
+from topomap import __version__
+from topomap.cli import console, map_commands, run_commands
+from topomap.errors import TopomapError
+
+app = typer.Typer(
+    help="Loop-closing navigation with topological snapshot maps: drive, map, close the loop, go home, replay, look.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+run_commands.add_to(app)
+map_commands.add_to(app)
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        print(f"topomap {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _root(
+    version: bool = typer.Option(False, "--version", callback=_version, is_eager=True, help="Show the version."),
+) -> None:
+    pass
+
+
+def main() -> None:
+    """Run the command line; every expected error is one line and exit code 2."""
+    console.terminate_as_interrupt()
+    try:
+        app()
+    except TopomapError as error:
+        console.fail(str(error))
+        sys.exit(2)

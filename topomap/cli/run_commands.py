@@ -1,0 +1,103 @@
+"""Commands on runs: run, replay, report, info, export."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import typer
+
+from topomap.cli.console import console, progress, table
+
+if TYPE_CHECKING:
+    from topomap.app.runs import RunResult
+
+
+def add_to(app: typer.Typer) -> None:
+    """Add the commands to the program."""
+    for command in (run, replay, report, info, export):
+        app.command()(command)
+
+
+def run(
+    world: str = typer.Argument(help="Named world, e.g. room-corridor, hall or office-loop."),
+    seed: int = typer.Option(0, min=0, help="Seed of all that is random in the run."),
+    config: Path | None = typer.Option(None, help="TOML file with settings."),
+    settings: list[str] = typer.Option([], "--set", metavar="SECTION.KEY=VALUE", help="One setting; may repeat."),
+    out: Path | None = typer.Option(None, help="Folder for log, map, summary and report [runs/WORLD-SEED]."),
+) -> None:
+    """Drive a simulated world, map it, close loops, go home; write log, map, summary and report."""
+    from topomap.app import runs
+    from topomap.app.config import load_config
+    from topomap.app.folder import RunFolder
+
+    chosen = load_config(config, settings)
+    robot = runs.open_world(world, seed, chosen)
+    folder = RunFolder.create(out or Path("runs") / f"{world}-{seed}")
+    with progress(world, robot.expected_steps) as advance:
+        result = runs.run_world(robot, seed, chosen, folder, advance)
+    _show(result)
+
+
+def replay(
+    log: Path = typer.Argument(help="MCAP log of a run.", metavar="RUN.mcap"),
+    settings: list[str] = typer.Option([], "--set", metavar="SECTION.KEY=VALUE", help="A stack setting to change."),
+    out: Path | None = typer.Option(None, help="Folder for the new log, map, summary and report [RUN-replay]."),
+) -> None:
+    """Take a log's readings through the stack again; with the same settings the graph hash is the same."""
+    from topomap.app import runs
+    from topomap.app.folder import RunFolder
+
+    robot, chosen = runs.open_log(log, settings)
+    folder = RunFolder.create(out or log.parent / "replay", keep=log)
+    with progress("replay", robot.steps) as advance:
+        result = runs.replay_log(robot, chosen, folder, advance)
+    _show(result)
+    same = runs.same_hash(log, result.summary)
+    if same is not None:
+        console.print("The graph hash is the run's." if same else "The graph hash differs from the run's.")
+
+
+def report(
+    log: Path = typer.Argument(help="MCAP log of a run, complete or cut off.", metavar="RUN.mcap"),
+    out: Path | None = typer.Option(None, help="Folder for summary and report [beside the log]."),
+) -> None:
+    """Write the summary and the report of a log again."""
+    from topomap.app import runs
+
+    _show(runs.report_log(log, out or log.parent))
+
+
+def info(log: Path = typer.Argument(help="MCAP log of a run.", metavar="RUN.mcap")) -> None:
+    """Show what a log holds."""
+    from topomap.app.describe import describe_log
+
+    rows, topics = describe_log(log)
+    table(rows, str(log))
+    table(topics, "topics")
+
+
+def export(
+    log: Path = typer.Argument(help="MCAP log of a run.", metavar="RUN.mcap"),
+    tum: bool = typer.Option(False, "--tum", help="Trajectories as TUM files (map, online, dead reckoning, truth)."),
+    g2o: bool = typer.Option(False, "--g2o", help="The finished map as a g2o pose graph."),
+    out: Path | None = typer.Option(None, help="Folder for the files [beside the log]."),
+) -> None:
+    """Write a run's trajectories and graph in the formats other tools read."""
+    from topomap.app.export import export_run
+
+    if not (tum or g2o):
+        raise typer.BadParameter("say what to write: --tum, --g2o or both")
+    for path in export_run(log, out or log.parent, tum, g2o):
+        console.print(str(path), soft_wrap=True)
+
+
+def _show(result: RunResult) -> None:
+    from topomap.study.summary import table_rows
+
+    table(table_rows(result.summary), str(result.summary["world"]))
+    for path in (result.folder.log, result.folder.map, result.folder.summary, result.folder.report):
+        if path.exists():
+            console.print(str(path), soft_wrap=True)
+    if result.interrupted:
+        raise typer.Exit(130)

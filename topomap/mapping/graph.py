@@ -1,0 +1,197 @@
+"""The map: nodes in travel order, joined by odometry, and closures that join places seen again."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import networkx as nx
+import numpy as np
+
+from topomap.contract import RigReading
+from topomap.geometry import FloatArray, Pose2, compose, wrap_all
+from topomap.mapping.backend.problem import ClosureEdge
+from topomap.mapping.odometry import Calibration, Increments, IntArray, integrate, track
+from topomap.types import Float32Array
+
+
+@dataclass(frozen=True, slots=True)
+class RecordedRig:
+    """The rig of a stored snapshot, in the recorded convention (`topomap.contract.RigReading`)."""
+
+    width: int
+    height: int
+    horizon_row: float
+    focal: float
+    camera_height: float
+    forward_column: int
+    clockwise: bool
+
+    @staticmethod
+    def of(rig: RigReading) -> RecordedRig:
+        """Return an own copy of a reading's rig."""
+        return RecordedRig(*(getattr(rig, name) for name in RecordedRig.__slots__))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Snapshot:
+    """What is kept of a place: the encoded panorama as logged, ranges (W,) [m] or None, and the rig."""
+
+    encoded: bytes
+    ranges: Float32Array | None
+    rig: RecordedRig
+
+
+@dataclass(frozen=True, slots=True)
+class Node:
+    """A place on the route; snapshot is None for a bare pose node; travel: raw odometer way so far [m]."""
+
+    stamp_ns: int
+    travel: float
+    snapshot: Snapshot | None
+
+
+class TopoMap:
+    """Nodes, their poses, odometry edges along the travelled chain, and closures.
+
+    Node ids count up in the order of creation; `chain` lists them in travel order (a pose node that was inserted
+    later stands between its neighbours). Only Mapper changes a map.
+    """
+
+    def __init__(self) -> None:
+        self.nodes: list[Node] = []
+        self.chain: list[int] = []
+        self.closures: list[ClosureEdge] = []
+        self.calibration = Calibration()
+        self.graph: nx.Graph[int] = nx.Graph()
+        self._poses = np.zeros((64, 3))
+        self._increments: dict[tuple[int, int], Increments] = {}
+
+    @property
+    def poses(self) -> FloatArray:
+        """The nodes' poses (N, 3) in the map frame, by node id."""
+        return self._poses[: len(self.nodes)]
+
+    def pose(self, node: int) -> Pose2:
+        """Return the pose of a node."""
+        return Pose2.of(self.poses[node])
+
+    def length(self, a: int, b: int) -> float:
+        """Return the map distance between two nodes [m]."""
+        return float(np.hypot(*(self.poses[a, :2] - self.poses[b, :2])))
+
+    def add(self, node: Node, increments: Increments | None) -> int:
+        """Append a node at the end of the chain, `increments` after the last one (None for the first); return its id."""
+        if increments is None:
+            return self._store(node, np.zeros(3), len(self.chain))
+        last = self.chain[-1]
+        delta, _, _ = integrate(increments, self.calibration)
+        new = self._store(node, compose(self.poses[last], delta), len(self.chain))
+        self._join(last, new, increments)
+        return new
+
+    def insert(self, stamp_ns: int) -> int:
+        """Return the node at a stamp, splitting the odometry edge it lies on if there is none yet."""
+        place = int(np.searchsorted([self.nodes[n].stamp_ns for n in self.chain], stamp_ns))
+        if self.nodes[self.chain[place]].stamp_ns == stamp_ns:
+            return self.chain[place]
+        a, b = self.chain[place - 1], self.chain[place]
+        return self._split(a, b, place, stamp_ns)
+
+    def close(self, edge: ClosureEdge) -> None:
+        """Add an accepted closure (`edge.i` the old node, `edge.j` the new one)."""
+        self.closures.append(edge)
+        self.graph.add_edge(edge.i, edge.j, kind="closure")
+
+    def open(self, edge: ClosureEdge) -> None:
+        """Take an accepted closure back."""
+        self.closures.remove(edge)
+        self.graph.remove_edge(edge.i, edge.j)
+
+    def move(self, poses: FloatArray, calibration: Calibration) -> None:
+        """Set all poses (N, 3) and the calibration: what a solution does."""
+        self.poses[:] = poses
+        self.calibration = calibration
+
+    def odometry_edges(self) -> Iterator[tuple[int, int, Increments]]:
+        """Yield (a, b, increments) along the chain."""
+        for a, b in zip(self.chain, self.chain[1:], strict=False):
+            yield a, b, self._increments[a, b]
+
+    def trajectory(self) -> tuple[IntArray, FloatArray]:
+        """Return stamps (K,) and poses (K, 3) of every step up to the last node, on the corrected route."""
+        stamps = [np.array([self.nodes[self.chain[0]].stamp_ns])]
+        poses = [self.poses[self.chain[:1]]]
+        for a, b, increments in self.odometry_edges():
+            stamps.append(increments.stamps_ns)
+            poses.append(self._steps(a, b, increments))
+        return np.concatenate(stamps), np.concatenate(poses)
+
+    def hash(self, verdicts: list[tuple[int, int, str, str]]) -> str:
+        """Return the SHA-256 over nodes, views, edges, poses and verdicts (stamp, match, verdict, reason)."""
+        digest = hashlib.sha256()
+        for node in self.nodes:
+            digest.update(f"{node.stamp_ns} {node.travel!r}".encode())
+            digest.update(node.snapshot.encoded if node.snapshot else b"pose")
+        edges = [(c.i, c.j, list(c.relative.array())) for c in self.closures]
+        digest.update(json.dumps([self.chain, edges, verdicts]).encode())
+        digest.update(np.ascontiguousarray(self.poses).tobytes())
+        return digest.hexdigest()
+
+    def restore(
+        self,
+        nodes: list[Node],
+        poses: FloatArray,
+        chain: list[int],
+        edges: list[Increments],
+        closures: list[ClosureEdge],
+    ) -> None:
+        """Fill an empty map with saved contents: edges (len(chain) - 1) along the chain. Raises ValueError."""
+        if sorted(chain) != list(range(len(nodes))) or poses.shape != (len(nodes), 3):
+            raise ValueError("nodes, poses and chain don't fit together")
+        for node, pose in zip(nodes, poses, strict=True):
+            self._store(node, pose, len(self.chain))
+        self.chain = list(chain)
+        for a, b, increments in zip(chain, chain[1:], edges, strict=False):
+            self._join(a, b, increments)
+        for edge in closures:
+            self.close(edge)
+
+    def _store(self, node: Node, pose: FloatArray, place: int) -> int:
+        new = len(self.nodes)
+        if new == len(self._poses):
+            self._poses = np.concatenate([self._poses, np.zeros_like(self._poses)])
+        self.nodes.append(node)
+        self._poses[new] = pose
+        self.chain.insert(place, new)
+        self.graph.add_node(new)
+        return new
+
+    def _join(self, a: int, b: int, increments: Increments) -> None:
+        self._increments[a, b] = increments
+        self.graph.add_edge(a, b, kind="odometry")
+
+    def _split(self, a: int, b: int, place: int, stamp_ns: int) -> int:
+        whole = self._increments.pop((a, b))
+        first, second = whole.split(int(np.searchsorted(whole.stamps_ns, stamp_ns)) + 1)
+        travel = self.nodes[a].travel + float(np.abs(first.deltas[:, 0]).sum())
+        pose = self._steps(a, b, whole)[len(first) - 1]
+        new = self._store(Node(stamp_ns, travel, None), pose, place)
+        self.graph.remove_edge(a, b)
+        self._join(a, new, first)
+        self._join(new, b, second)
+        return new
+
+    def _steps(self, a: int, b: int, increments: Increments) -> FloatArray:
+        """Return (K, 3) the corrected poses after each increment of an edge.
+
+        What the edge's odometry misses of the corrected end is spread evenly along its steps.
+        """
+        steps = track(increments, self.calibration, self.pose(a))[1:]
+        rest = self.poses[b] - steps[-1]
+        rest[2] = wrap_all(rest[2])
+        steps += rest * (np.arange(1, len(steps) + 1) / len(steps))[:, None]
+        steps[:, 2] = wrap_all(steps[:, 2])
+        return steps

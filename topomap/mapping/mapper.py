@@ -1,0 +1,125 @@
+"""The mapping wing's one entrance: each reading updates the map."""
+
+from __future__ import annotations
+
+from pydantic import BaseModel, Field
+
+from topomap.contract import Aligner, Reading
+from topomap.mapping.album import Album
+from topomap.mapping.closing import Closing, ClosingSettings
+from topomap.mapping.correction import Correction, CorrectionSettings
+from topomap.mapping.graph import RecordedRig, Snapshot, TopoMap
+from topomap.mapping.ledger import Ledger
+from topomap.mapping.recognition import Recognition, RecognitionSettings
+from topomap.mapping.snapshots import SnapshotSettings, View, make_rule
+from topomap.mapping.survey import Survey
+from topomap.types import Decision, MapChange, NodeAdded, Verdict
+from topomap.vision.compare import rotation_difference, signature
+from topomap.vision.panorama import Panorama
+
+
+class MapperSettings(BaseModel, frozen=True, extra="forbid"):
+    """All settings of the mapping wing."""
+
+    snapshots: SnapshotSettings = Field(default_factory=SnapshotSettings)
+    recognition: RecognitionSettings = Field(default_factory=RecognitionSettings)
+    closing: ClosingSettings = Field(default_factory=ClosingSettings)
+    correction: CorrectionSettings = Field(default_factory=CorrectionSettings)
+
+
+class Mapper:
+    """Surveys the route, keeps snapshots, recognises places, closes loops and applies solutions."""
+
+    def __init__(self, settings: MapperSettings, aligner: Aligner) -> None:
+        self.map = TopoMap()
+        self.album = Album(self.map)
+        self.ledger = Ledger()
+        self.survey = Survey(self.map)
+        self.correction = Correction(settings.correction, aligner, self.map)
+        self._settings = settings.snapshots
+        self._rule = make_rule(settings.snapshots)
+        self._recognition = Recognition(settings.recognition)
+        self._closing = Closing(settings.closing, aligner, self.survey, self.album, self.ledger, self.correction)
+        self._previous: Panorama | None = None
+        self._last_snapshot = -1
+        self._kept_at = 0.0
+
+    def update(self, reading: Reading, panorama: Panorama) -> MapChange:
+        """Take one reading: survey, keep or not, search, test closures, solve; return what changed."""
+        self.survey.advance(reading.stamp_ns, reading.motion)
+        self.correction.watch(reading.motion, panorama.ranges)
+        difference = self._difference(panorama)
+        added = self._keep(reading, panorama, difference)
+        place = self._recognition.update(reading.stamp_ns, self.survey.travel, panorama)
+        decisions = self._recognise(reading.stamp_ns)
+        solved, reviewed = self._correct(reading.stamp_ns, decisions)
+        self._previous = panorama
+        return MapChange(
+            self.survey.pose,
+            difference,
+            self._settings.threshold,
+            place,
+            added,
+            (*decisions, *reviewed),
+            solved,
+            self.correction.state if solved else None,
+        )
+
+    def finish(self, stamp_ns: int) -> None:
+        """End the map at the last reading, so that every step lies on it."""
+        self.survey.node_at(stamp_ns)
+
+    def graph_hash(self) -> str:
+        """Return the hash over nodes, edges, verdicts and poses."""
+        verdicts = [
+            (d.candidate.query_ns, d.candidate.match, d.verdict.value, d.reason) for d in self.ledger.decisions
+        ]
+        return self.map.hash(verdicts)
+
+    def _difference(self, panorama: Panorama) -> float:
+        if self._last_snapshot < 0:
+            return float("nan")
+        last = self.album.panorama(self._last_snapshot)
+        return rotation_difference(signature(panorama), signature(last))[0]
+
+    def _keep(self, reading: Reading, panorama: Panorama, difference: float) -> tuple[NodeAdded, ...]:
+        """Store a snapshot where the rule asks for one while being taught; on a journey, now and then a pose node."""
+        reason = self._reason(panorama, difference, reading.driven)
+        if not reason:
+            return ()
+        self._kept_at = self.survey.travel
+        taught = reading.driven or not self.map.nodes
+        snapshot = Snapshot(reading.encoded, reading.ranges, RecordedRig.of(reading.rig)) if taught else None
+        node = self.survey.node_at(reading.stamp_ns, snapshot)
+        if taught:
+            self._remember(node, panorama)
+        return (NodeAdded(node, reading.stamp_ns, self.map.pose(node), taught, reason),)
+
+    def _reason(self, panorama: Panorama, difference: float, driven: bool) -> str | None:
+        if self._previous is None:
+            return "start"
+        travelled = self.survey.travel - self._kept_at
+        if not driven:
+            return "on the way" if travelled >= self._settings.max_travel else None
+        to_previous = rotation_difference(signature(panorama), signature(self._previous))[0]
+        return self._rule.judge(View(difference, to_previous, travelled))
+
+    def _remember(self, node: int, panorama: Panorama) -> None:
+        self.album.put(node, panorama)
+        self._recognition.add(node, self.survey.travel, panorama)
+        if self._last_snapshot >= 0:
+            self.correction.see_turn(self._last_snapshot, node, self.album)
+        self._last_snapshot = node
+
+    def _recognise(self, stamp_ns: int) -> tuple[Decision, ...]:
+        proposal = self._recognition.proposal()
+        return () if proposal is None else (self._closing.judge(stamp_ns, proposal),)
+
+    def _correct(self, stamp_ns: int, decisions: tuple[Decision, ...]) -> tuple[bool, list[Decision]]:
+        closed = any(d.verdict is Verdict.ACCEPTED for d in decisions)
+        if not closed and not self.correction.due:
+            return False, []
+        solved, reviewed = self.correction.solve(stamp_ns, self.ledger)
+        if solved:
+            self.survey.restart()
+        return solved, reviewed

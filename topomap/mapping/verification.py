@@ -1,0 +1,67 @@
+"""The visual test of a proposal: the likeliest places are compared in detail, and one must clearly win."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from pydantic import BaseModel, Field
+
+from topomap.contract import Aligner
+from topomap.types import Alignment, PlaceMatch
+from topomap.vision.panorama import Panorama
+
+
+class VerificationSettings(BaseModel, frozen=True, extra="forbid"):
+    """When a place is believed by what is seen."""
+
+    cost: float = Field(0.8, gt=0, description="alignment cost above which no place is believed")
+    ratio: float = Field(0.9, gt=0, le=1, description="a place must cost less than this share of its best rival")
+    rival_distance: float = Field(1.5, gt=0, description="a node this far from the winner is another place [m]")
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """A place that was compared in detail."""
+
+    match: PlaceMatch
+    alignment: Alignment
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """The winner, its cost over the best rival's (0 where there is none), and why it fails ("" where it doesn't)."""
+
+    winner: Look
+    ratio: float
+    objection: str
+
+
+class Verification:
+    """Ranks places by alignment cost (min-warping by default)."""
+
+    def __init__(self, settings: VerificationSettings, aligner: Aligner) -> None:
+        self._s = settings
+        self._aligner = aligner
+
+    def judge(
+        self,
+        view: Panorama,
+        places: Sequence[PlaceMatch],
+        panorama: Callable[[int], Panorama],
+        distance: Callable[[int, int], float],
+    ) -> Outcome:
+        """Compare `view` with each place (at least one); `distance` is between two nodes on the map [m]."""
+        looks = [Look(p, self._aligner.align(view, panorama(p.node), p.rotation)) for p in places]
+        looks.sort(key=lambda look: look.alignment.residual)
+        winner = looks[0]
+        rivals = [k for k in looks if distance(k.match.node, winner.match.node) > self._s.rival_distance]
+        ratio = winner.alignment.residual / max(rivals[0].alignment.residual, 1e-9) if rivals else 0.0
+        return Outcome(winner, ratio, self._objection(winner.alignment.residual, ratio))
+
+    def _objection(self, cost: float, ratio: float) -> str:
+        if cost > self._s.cost:
+            return f"no place is alike enough (cost {cost:.2f} > {self._s.cost:g})"
+        if ratio > self._s.ratio:
+            return f"another place is nearly as alike (ratio {ratio:.2f} > {self._s.ratio:g})"
+        return ""

@@ -1,0 +1,44 @@
+"""The navigator: one step of the whole stack."""
+
+from __future__ import annotations
+
+from topomap.contract import Reading
+from topomap.mapping.mapper import Mapper
+from topomap.navigation.localiser import Localiser
+from topomap.navigation.mission import Mission
+from topomap.navigation.stopwatch import Stopwatch
+from topomap.navigation.traveller import Traveller
+from topomap.types import Command, StepRecord
+from topomap.vision.panorama import Panorama
+
+
+class Navigator:
+    """Maps, localises, decides and steers; knows no files, no bars, no plots and never the truth."""
+
+    def __init__(self, mapper: Mapper, localiser: Localiser, mission: Mission, traveller: Traveller) -> None:
+        self.mapper = mapper
+        self._localiser = localiser
+        self._mission = mission
+        self._traveller = traveller
+
+    @property
+    def over(self) -> bool:
+        """Whether the mission has ended."""
+        return self._mission.over
+
+    def step(self, reading: Reading) -> tuple[Command, StepRecord]:
+        """Take one reading through all stages; return the command and the record of the step."""
+        watch = Stopwatch()
+        panorama = Panorama.from_reading(reading)
+        watch.lap("panorama")
+        change = self.mapper.update(reading, panorama)
+        watch.lap("map")
+        where = self._localiser.update(self.mapper, change)
+        goal = self._mission.goal(reading.driven, self.mapper.map)
+        watch.lap("localise")
+        command, travel = self._traveller.step(panorama, self.mapper.survey.turn, where, goal, self.mapper)
+        self._mission.report(travel)
+        watch.lap("travel")
+        return command, StepRecord(
+            reading.stamp_ns, self.mapper.survey.raw, change, where, goal, travel, command, watch.laps
+        )
