@@ -1,1 +1,1 @@
-"""logs: MCAP logs of runs, written, read, repaired and replayed."""
+"""Logs: one MCAP file per run, written crash-safe, read whole or truncated, replayed as a robot."""

@@ -1,0 +1,1 @@
+"""Records as protobuf: the dataclasses are the schema, `topomap.proto` shows it to other languages."""

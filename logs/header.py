@@ -1,0 +1,103 @@
+"""The header of a log: all that is known before the first step."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+
+from logs.records import Pose
+
+FORMAT = "1"
+RUN = "topomap.run"
+VERSIONS = "topomap.versions"
+CONFIG = "config.json"
+PLAN = "plan.json"
+
+
+@dataclass(frozen=True, slots=True)
+class Rig:
+    """How the panorama was taken: pixels, metres; see `topomap.contract.RigReading`."""
+
+    width: int
+    height: int
+    horizon_row: float
+    focal: float
+    camera_height: float
+    forward_column: int
+    clockwise: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Errors:
+    """The odometer's true systematic errors, None where unknown; curvature [rad/m]."""
+
+    rotation_scale: float | None = None
+    distance_scale: float | None = None
+    curvature: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """A world's plan in the truth's frame: polylines, circles (x, y, r), labels (x, y, text) [m]."""
+
+    polylines: tuple[tuple[tuple[float, float], ...], ...] = ()
+    circles: tuple[tuple[float, float, float], ...] = ()
+    labels: tuple[tuple[float, float, str], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Header:
+    """A run before its first step; config: the resolved settings as JSON; start: the true pose, if known."""
+
+    world: str
+    rig: Rig
+    seed: int | None = None
+    config: str = "{}"
+    versions: Mapping[str, str] = field(default_factory=dict)
+    start: Pose | None = None
+    errors: Errors = field(default_factory=Errors)
+    plan: Plan = field(default_factory=Plan)
+    replayed: bool = False
+
+    def run(self) -> dict[str, str]:
+        """Return the metadata record `topomap.run`: JSON values by name."""
+        values = {
+            "world": self.world,
+            "seed": self.seed,
+            "rig": asdict(self.rig),
+            "start": None if self.start is None else asdict(self.start),
+            "errors": asdict(self.errors),
+            "replayed": self.replayed,
+        }
+        return {"format": FORMAT} | {name: json.dumps(value) for name, value in values.items()}
+
+    def plan_json(self) -> bytes:
+        """Return the attachment `plan.json`."""
+        return json.dumps(asdict(self.plan)).encode()
+
+    @staticmethod
+    def of(run: Mapping[str, str], versions: Mapping[str, str], config: bytes, plan: bytes) -> Header:
+        """Return the header of what was stored; raises ValueError, KeyError or TypeError."""
+        names = ("world", "seed", "rig", "start", "errors", "replayed")
+        values = {name: json.loads(run[name]) for name in names}
+        return Header(
+            world=str(values["world"]),
+            rig=Rig(**values["rig"]),
+            seed=values["seed"],
+            config=config.decode(),
+            versions=dict(versions),
+            start=None if values["start"] is None else Pose(**values["start"]),
+            errors=Errors(**values["errors"]),
+            plan=_plan(plan),
+            replayed=bool(values["replayed"]),
+        )
+
+
+def _plan(data: bytes) -> Plan:
+    raw = json.loads(data)
+    return Plan(
+        tuple(tuple((x, y) for x, y in line) for line in raw["polylines"]),
+        tuple((x, y, r) for x, y, r in raw["circles"]),
+        tuple((x, y, text) for x, y, text in raw["labels"]),
+    )

@@ -1,0 +1,161 @@
+"""An MCAP file of any origin, open for reading, whole or cut off."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import IO
+
+from mcap.records import Attachment, Message, Metadata
+
+from logs.contents import MAGIC, Contents, attachment, metadata, read_chunk, read_contents, read_record
+from logs.errors import LogError
+
+_Read = Callable[[IO[bytes], int], Sequence[Message | Attachment | Metadata]]
+
+
+@dataclass(frozen=True, slots=True)
+class Item:
+    """A stored message: its topic, the name of its schema, its log time and its bytes."""
+
+    topic: str
+    schema: str
+    stamp_ns: int
+    data: bytes
+
+
+class McapFile:
+    """An open MCAP file; checksums are verified on everything that is read.
+
+    skip_damaged: leave out damaged chunks instead of raising. Raises LogError when the file is missing, isn't
+    an MCAP file or ends before its first record.
+    """
+
+    def __init__(self, path: Path | str, skip_damaged: bool = False) -> None:
+        self.path = Path(path)
+        self._skip_damaged = skip_damaged
+        self._file = _open(self.path)
+        try:
+            self.contents: Contents = read_contents(self._file)
+            if self.contents.damaged and not skip_damaged:
+                raise LogError(self._damage(f"{self.contents.damaged} of its chunks can't be read"))
+        except BaseException:
+            self._file.close()
+            raise
+
+    def items(
+        self, topics: Collection[str] | None = None, start_ns: int | None = None, end_ns: int | None = None
+    ) -> Iterator[Item]:
+        """Yield the messages of some topics (None: all) in file order, start_ns and end_ns included."""
+        channels = self.contents.channels
+        wanted = {id for id, channel in channels.items() if topics is None or channel.topic in topics}
+        for message in self._messages(wanted, start_ns, end_ns):
+            channel = channels[message.channel_id]
+            schema = self.contents.schemas.get(channel.schema_id)
+            yield Item(channel.topic, schema.name if schema else "", message.log_time, message.data)
+
+    def metadata(self, name: str) -> dict[str, str] | None:
+        """Return the metadata of a name, None where there is none; raises LogError when it is damaged."""
+        content = self._named(name, self.contents.metadata)
+        try:
+            values: dict[str, str] | None = None if content is None else metadata(content).metadata
+        except Exception as error:  # struct, Unicode, mcap: whatever damaged bytes lead to
+            raise LogError(self._damage(f"metadata {name} can't be read")) from error
+        return values
+
+    def attachment(self, name: str) -> bytes | None:
+        """Return the last attachment of a name, or None; raises LogError when it is damaged."""
+        content = self._named(name, self.contents.attachments)
+        try:
+            data: bytes | None = None if content is None else attachment(content).data
+        except Exception as error:  # as above
+            raise LogError(self._damage(f"attachment {name} can't be read")) from error
+        return data
+
+    def everything(self) -> Iterator[Message | Attachment | Metadata | None]:
+        """Yield messages, attachments and metadata in file order, None for each that can't be read."""
+        contents = self.contents
+        places: list[tuple[int, _Read]] = [(entry.offset, _chunk) for entry in contents.chunks]
+        places += [(offset, _attachment) for _, offset in contents.attachments]
+        places += [(offset, _metadata) for _, offset in contents.metadata]
+        for offset, read in sorted(places, key=lambda place: place[0]):
+            try:
+                yield from read(self._file, offset)
+            except OSError:
+                raise
+            except Exception:  # what can't be read is reported as such, whatever the reason
+                yield None
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+
+    def __enter__(self) -> McapFile:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _messages(self, channels: set[int], start_ns: int | None, end_ns: int | None) -> Iterator[Message]:
+        low, high = start_ns or 0, (1 << 64) if end_ns is None else end_ns
+        for entry in self.contents.chunks:
+            if entry.end_ns < low or entry.start_ns > high:
+                continue
+            if entry.channels and not entry.channels & channels:
+                continue
+            for message in self._chunk(entry.offset):
+                if message.channel_id in channels and low <= message.log_time <= high:
+                    yield message
+
+    def _chunk(self, offset: int) -> list[Message]:
+        try:
+            return _chunk(self._file, offset)
+        except ValueError as error:
+            if self._skip_damaged:
+                return []
+            raise LogError(self._damage(f"the chunk at byte {offset} can't be read")) from error
+
+    def _named(self, name: str, places: list[tuple[str, int]]) -> bytes | None:
+        offsets = [offset for found, offset in places if found == name]
+        record = read_record(self._file, offsets[-1]) if offsets else None
+        return record[1] if record else None
+
+    def _damage(self, what: str) -> str:
+        return f"{self.path}: damaged, {what}; repair it into a new file first"
+
+
+def _chunk(file: IO[bytes], offset: int) -> list[Message]:
+    return [record for record in read_chunk(file, offset) if isinstance(record, Message)]
+
+
+def _attachment(file: IO[bytes], offset: int) -> list[Attachment]:
+    return [attachment(_content(file, offset))]
+
+
+def _metadata(file: IO[bytes], offset: int) -> list[Metadata]:
+    return [metadata(_content(file, offset))]
+
+
+def _content(file: IO[bytes], offset: int) -> bytes:
+    record = read_record(file, offset)
+    if record is None:
+        raise ValueError("no whole record there")
+    return record[1]
+
+
+def _open(path: Path) -> IO[bytes]:
+    try:
+        file = path.open("rb")
+    except OSError as error:
+        raise LogError(f"{path}: can't be read ({error.strerror})") from error
+    magic = file.read(len(MAGIC))
+    if magic == MAGIC:
+        return file
+    file.close()
+    if MAGIC.startswith(magic):
+        raise LogError(f"{path}: cut off before its first record ({len(magic)} bytes)")
+    raise LogError(f"{path}: not an MCAP file")

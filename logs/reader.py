@@ -1,0 +1,80 @@
+"""Reads topomap's logs, whole or cut off."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from types import TracebackType
+from typing import TypeVar
+
+from logs import header as head
+from logs.errors import LogError
+from logs.header import Header
+from logs.mcap_file import Item, McapFile
+from logs.schemas import codec, foxglove
+from logs.topics import PANORAMA
+
+R = TypeVar("R")
+
+
+class LogReader:
+    """An open topomap log; raises LogError when the file can't be read or isn't one."""
+
+    def __init__(self, path: Path | str, skip_damaged: bool = False) -> None:
+        self.file = McapFile(path, skip_damaged)
+        try:
+            self.header: Header = _header(self.file)
+        except BaseException:
+            self.file.close()
+            raise
+
+    @property
+    def complete(self) -> bool:
+        """Whether the log was closed properly."""
+        return self.file.contents.complete
+
+    def items(self, *topics: str) -> Iterator[Item]:
+        """Yield the raw messages of some topics in file order."""
+        return self.file.items(topics)
+
+    def records(self, topic: str, kind: type[R]) -> Iterator[tuple[int, R]]:
+        """Yield stamp [ns] and record of each message of a topic that is stored as `topomap.*`."""
+        for item in self.file.items((topic,)):
+            yield item.stamp_ns, codec.decode(kind, item.data)
+
+    def panorama(self, stamp_ns: int) -> bytes | None:
+        """Return the encoded panorama of one stamp, None where there is none."""
+        items = self.file.items((PANORAMA,), stamp_ns, stamp_ns)
+        return next((foxglove.decode_image(item.data) for item in items), None)
+
+    def attachment(self, name: str) -> bytes | None:
+        """Return an attached file, None where there is none."""
+        return self.file.attachment(name)
+
+    def close(self) -> None:
+        """Close the file."""
+        self.file.close()
+
+    def __enter__(self) -> LogReader:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+def _header(file: McapFile) -> Header:
+    run = file.metadata(head.RUN)
+    if run is None:
+        cut = "" if file.contents.complete else ", or cut off inside its header"
+        raise LogError(f"{file.path}: not a log of topomap{cut} (no {head.RUN} record)")
+    if run.get("format") != head.FORMAT:
+        raise LogError(f"{file.path}: log format {run.get('format')}, this version reads {head.FORMAT}")
+    config, plan = file.attachment(head.CONFIG), file.attachment(head.PLAN)
+    if config is None or plan is None:
+        raise LogError(f"{file.path}: cut off inside its header")
+    try:
+        return Header.of(run, file.metadata(head.VERSIONS) or {}, config, plan)
+    except (ValueError, KeyError, TypeError) as error:
+        raise LogError(f"{file.path}: its header can't be read ({error})") from error

@@ -1,0 +1,64 @@
+"""The steps of a log, joined by their stamps, as columns."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TypeVar
+
+import numpy as np
+
+from logs import records as log
+from logs import topics
+from logs.reader import LogReader
+from topomap.geometry import FloatArray
+from topomap.study.run_data import BoolArray, IntArray
+
+R = TypeVar("R")
+
+
+@dataclass(frozen=True)
+class Steps:
+    """N steps; poses (N, 3); truth None where no step has one."""
+
+    stamps_ns: IntArray
+    dead_reckoning: FloatArray
+    online: FloatArray
+    truth: FloatArray | None
+    driven: BoolArray
+    contact: BoolArray
+    differences: tuple[log.ImageDifference, ...]
+    missions: tuple[log.Mission, ...]
+
+    def difference(self, name: str) -> FloatArray:
+        """Return (N,) of one field of the image differences."""
+        return np.array([getattr(row, name) for row in self.differences], dtype=np.float64)
+
+
+def read_steps(log_file: LogReader) -> Steps:
+    """Return the steps that were logged wholly; a cut off last one is left out. Raises LogError."""
+    odometry = _by_stamp(log_file, topics.ODOMETRY, log.Odometry)
+    beliefs = _by_stamp(log_file, topics.BELIEF, log.Belief)
+    differences = _by_stamp(log_file, topics.DIFFERENCE, log.ImageDifference)
+    missions = _by_stamp(log_file, topics.MISSION, log.Mission)
+    truths = _by_stamp(log_file, topics.TRUTH, log.Truth)
+    stamps = [s for s in odometry if s in beliefs and s in differences and s in missions]
+    return Steps(
+        stamps_ns=np.array(stamps, dtype=np.int64),
+        dead_reckoning=_poses([beliefs[s].dead_reckoning for s in stamps]),
+        online=_poses([beliefs[s].pose for s in stamps]),
+        truth=_poses([truths.get(s) for s in stamps]) if truths else None,
+        driven=np.array([odometry[s].driven for s in stamps], dtype=np.bool_),
+        contact=np.array([odometry[s].contact for s in stamps], dtype=np.bool_),
+        differences=tuple(differences[s] for s in stamps),
+        missions=tuple(missions[s] for s in stamps),
+    )
+
+
+def _by_stamp(log_file: LogReader, topic: str, kind: type[R]) -> dict[int, R]:
+    return dict(log_file.records(topic, kind))
+
+
+def _poses(rows: Sequence[log.Pose | log.Truth | None]) -> FloatArray:
+    values = [(np.nan,) * 3 if row is None else (row.x, row.y, row.heading) for row in rows]
+    return np.array(values, dtype=np.float64).reshape(-1, 3)
