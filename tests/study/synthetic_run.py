@@ -100,9 +100,7 @@ def make_run() -> RunData:
 
 def believed() -> CalibrationState:
     """Return a calibration with the distance scale not observed."""
-    return CalibrationState(
-        Estimate(1.036, 0.008, True), Estimate(1.0, 0.196, False), Estimate(0.0028, 0.0004, True)
-    )
+    return CalibrationState(Estimate(1.036, 0.008, True), Estimate(1.0, 0.196, False), Estimate(0.0028, 0.0004, True))
 
 
 def decisions(run: RunData) -> tuple[Decision, ...]:

@@ -34,9 +34,7 @@ def noisy(seed: int, sigma: float) -> FloatArray:
 
 @settings(max_examples=40, deadline=None)
 @given(st.floats(0.2, 4.0), st.floats(-3.1, 3.1), st.floats(-50, 50), st.floats(-50, 50))
-def test_align_finds_the_similarity_that_was_applied(
-    scale: float, rotation: float, x: float, y: float
-) -> None:
+def test_align_finds_the_similarity_that_was_applied(scale: float, rotation: float, x: float, y: float) -> None:
     applied = Similarity(scale, rotation, x, y)
     found = align(ROUTE[:, :2], applied.apply(ROUTE[:, :2]), scale=True)
     assert found.scale == pytest.approx(scale, rel=1e-9)
@@ -148,6 +146,4 @@ def test_ate_agrees_with_evo(scale: bool) -> None:
     aligned.align(truth, correct_scale=scale)
     ape = metrics.APE(metrics.PoseRelation.translation_part)
     ape.process_data((truth, aligned))
-    assert ate(estimate, ROUTE, scale) == pytest.approx(
-        ape.get_statistic(metrics.StatisticsType.rmse), rel=1e-9
-    )
+    assert ate(estimate, ROUTE, scale) == pytest.approx(ape.get_statistic(metrics.StatisticsType.rmse), rel=1e-9)

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import base64
+import io
 import re
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from synthetic_run import candidate, decide, make_run
 
-from topomap.study.figures import FIGURES
+from topomap.study.figures import FIGURES, FigureKind
+from topomap.study.figures_routes import routes
+from topomap.study.figures_style import BLACK, BLUE, RED
 from topomap.study.report import LEDGER_LIMIT, ledger_parts, render, write_report
 from topomap.types import Verdict
 
@@ -49,9 +53,7 @@ def test_the_ledger_says_verdict_reason_score_and_truth(page: str) -> None:
 
 
 def test_what_comes_from_outside_is_escaped() -> None:
-    spiteful = replace(
-        RUN, world="<b>room</b>", truth=None, difference=None, place_difference=None, first_closure=()
-    )
+    spiteful = replace(RUN, world="<b>room</b>", truth=None, difference=None, place_difference=None, first_closure=())
     assert "<b>room</b>" not in render(spiteful)
 
 
@@ -97,3 +99,35 @@ def test_an_unwritable_place_is_an_os_error(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("in the way")
     with pytest.raises(OSError, match="file"):
         write_report(replace(RUN, decisions=()), tmp_path / "file" / "report.html")
+
+
+@pytest.mark.parametrize("kind", FIGURES, ids=lambda kind: kind.name)
+def test_every_figure_draws_a_data_set_without_headings_and_calibration(kind: FigureKind) -> None:
+    assert RUN.truth is not None
+    headless = np.column_stack([RUN.truth[:, :2], np.full(len(RUN.truth), np.nan)])
+    figure = kind.draw(replace(RUN, truth=headless, calibration=None))
+    assert figure.axes
+    assert len(figure_bytes(figure)) > 5_000
+
+
+def figure_bytes(figure: Figure) -> bytes:
+    target = io.BytesIO()
+    figure.savefig(target, format="png", dpi=60)
+    return target.getvalue()
+
+
+def test_the_routes_keep_the_colours_of_the_thesis() -> None:
+    lines = {str(line.get_label()): str(line.get_color()) for line in routes(RUN).axes[0].get_lines()}
+    assert lines["dead reckoning"] == BLUE
+    assert lines["map"] == RED
+    assert lines["truth"] == BLACK
+    assert {"snapshot", "closure, true", "closure, false"} <= set(lines)
+
+
+def test_a_lone_route_without_truth_stays_in_the_map_s_frame() -> None:
+    axes = routes(replace(RUN, truth=None)).axes[0]
+    assert axes.get_title(loc="left") == "Routes (map frame)"
+    drawn = {str(line.get_label()): line for line in axes.get_lines()}
+    assert "truth" not in drawn
+    assert drawn["map"].get_xydata() == pytest.approx(RUN.final[:, :2])
+    assert "closure, not judged" in drawn

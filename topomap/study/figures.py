@@ -9,11 +9,12 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from topomap.geometry import FloatArray
+from topomap.study.figures_closures import closure_map
 from topomap.study.figures_differences import image_difference, place_difference
 from topomap.study.figures_errors import position_error
 from topomap.study.figures_home import way_home
 from topomap.study.figures_panoramas import panoramas
-from topomap.study.figures_routes import closures, routes
+from topomap.study.figures_routes import routes
 from topomap.study.metrics_closures import accepted
 from topomap.study.metrics_home import reference_route
 from topomap.study.run_data import RunData
@@ -105,8 +106,8 @@ FIGURES: tuple[FigureKind, ...] = (
     FigureKind(
         "Closures in truth",
         "Each accepted closure joins the two true places that it claims to be one: the longer the link,"
-        " the more wrong the claim.",
-        closures,
+        " the more wrong the claim. Beside it every candidate by the times of its query and its match.",
+        closure_map,
         _no_closures,
     ),
     FigureKind(

@@ -20,9 +20,7 @@ def image_difference(run: RunData) -> Figure:
     style.dress(axes, "Image difference to the last snapshot", "time [s]", "difference")
     _curve(axes, run, run.difference, style.BLUE, "difference")
     if run.threshold is not None and np.isfinite(run.threshold):
-        axes.axhline(
-            run.threshold, color=style.RED, linewidth=1.0, linestyle="--", label="snapshot threshold"
-        )
+        axes.axhline(run.threshold, color=style.RED, linewidth=1.0, linestyle="--", label="snapshot threshold")
     _mark_snapshots(axes, run)
     _finish(figure, axes, run)
     return figure

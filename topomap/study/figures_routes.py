@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
-from topomap.geometry import FloatArray
 from topomap.study import figures_style as style
-from topomap.study.metrics import placed, step_at
-from topomap.study.metrics_closures import accepted
+from topomap.study.metrics import placed
 from topomap.study.run_data import RunData
 
 
@@ -27,21 +23,6 @@ def routes(run: RunData) -> Figure:
     draw_routes(axes, run)
     draw_snapshots(axes, run)
     _draw_closures(axes, run)
-    axes.set_aspect("equal", adjustable="datalim")
-    style.legend_below(figure, axes, 4)
-    return figure
-
-
-def closures(run: RunData) -> Figure:
-    """Return the accepted closures on the map and, in truth, the two places that each one joins."""
-    figure = style.canvas(7.4, _height(run))
-    axes = figure.add_subplot()
-    style.dress(axes, "Accepted closures over the true route", "x [m]", "y [m]")
-    draw_plan(axes, run)
-    if run.truth is not None:
-        style.line(axes, run.truth[:, 0], run.truth[:, 1], replace(style.TRUTH, width=0.7))
-        for look in (style.TRUE_CLOSURE, style.FALSE_CLOSURE):
-            _draw_links(axes, run, run.truth, look)
     axes.set_aspect("equal", adjustable="datalim")
     style.legend_below(figure, axes, 4)
     return figure
@@ -85,21 +66,6 @@ def _draw_closures(axes: Axes, run: RunData) -> None:
     mapped, _ = placed(run, run.final)
     for look, steps in style.closure_steps(run):
         style.mark(axes, mapped[steps, :2], look)
-
-
-def _draw_links(axes: Axes, run: RunData, truth: FloatArray, look: style.Mark) -> None:
-    chosen = [closure.candidate for closure in accepted(run) if style.closure_mark(closure) == look]
-    if not chosen:
-        return
-    queries = truth[[step_at(run.stamps_ns, candidate.query_ns) for candidate in chosen], :2]
-    matches = truth[[step_at(run.stamps_ns, candidate.match_ns) for candidate in chosen], :2]
-    links = np.stack([queries, matches], axis=1)
-    axes.add_collection(
-        LineCollection(
-            list(links), colors=look.color, linewidths=1.0, alpha=0.7 if len(chosen) < 200 else 0.15
-        )
-    )
-    style.mark(axes, queries, replace(look, label=f"{look.label} ({len(chosen)})"))
 
 
 def _height(run: RunData) -> float:

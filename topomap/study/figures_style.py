@@ -100,9 +100,7 @@ def size_for(count: int, full: float) -> float:
 def legend_below(figure: Figure, axes: Axes, columns: int = 4) -> None:
     """Add one legend under the axes, where it hides nothing."""
     once = _labelled(axes)
-    figure.legend(
-        list(once.values()), list(once), loc="outside lower center", ncols=columns, fontsize=9, frameon=False
-    )
+    figure.legend(list(once.values()), list(once), loc="outside lower center", ncols=columns, fontsize=9, frameon=False)
 
 
 def _labelled(axes: Axes) -> dict[str, Artist]:

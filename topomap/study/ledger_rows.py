@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from topomap.study.metrics_closures import Closure, Judgement, closures
+from topomap.study.metrics_closures import Closure, Judgement
 from topomap.study.run_data import RunData
 from topomap.types import Verdict
 
@@ -29,9 +29,9 @@ class LedgerRow:
     before: str
 
 
-def ledger(run: RunData, verdicts: tuple[Verdict, ...]) -> list[LedgerRow]:
-    """Return the candidates whose last verdict is one of these, by time of the query."""
-    chosen = [closure for closure in closures(run) if closure.verdict in verdicts]
+def ledger(run: RunData, every: tuple[Closure, ...], verdicts: tuple[Verdict, ...]) -> list[LedgerRow]:
+    """Return those of every closure whose last verdict is one of these, by time of the query."""
+    chosen = [closure for closure in every if closure.verdict in verdicts]
     chosen.sort(key=lambda closure: (closure.candidate.query_ns, closure.candidate.match))
     return [_row(run, closure) for closure in chosen]
 

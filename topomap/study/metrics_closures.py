@@ -117,9 +117,7 @@ def judge(run: RunData, candidate: Candidate) -> Judgement | None:
         return None
     rotation = _rotation_error(candidate, query, match)
     turned = rotation is not None and abs(rotation) > FALSE_ROTATION
-    return Judgement(
-        distance, rotation, distance > run.false_distance_m or turned, distance > run.gross_distance_m
-    )
+    return Judgement(distance, rotation, distance > run.false_distance_m or turned, distance > run.gross_distance_m)
 
 
 def _rotation_error(candidate: Candidate, query: FloatArray, match: FloatArray) -> float | None:
@@ -153,10 +151,7 @@ def passes(run: RunData) -> tuple[Pass, ...]:
 def runs_of(flags: BoolArray) -> list[tuple[int, int]]:
     """Return first and last index of each contiguous run of true flags (N,)."""
     edges = np.diff(np.concatenate([[0], flags.astype(np.int8), [0]]))
-    return [
-        (int(a), int(b) - 1)
-        for a, b in zip(np.flatnonzero(edges > 0), np.flatnonzero(edges < 0), strict=True)
-    ]
+    return [(int(a), int(b) - 1) for a, b in zip(np.flatnonzero(edges > 0), np.flatnonzero(edges < 0), strict=True)]
 
 
 def recalled(run: RunData, possible: tuple[Pass, ...]) -> BoolArray:

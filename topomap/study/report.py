@@ -13,8 +13,9 @@ from topomap.study.figures import FIGURES
 from topomap.study.figures_style import data_uri
 from topomap.study.ledger_rows import LedgerRow, ledger
 from topomap.study.metrics import RelativeError, drift_percent, rpe
+from topomap.study.metrics_closures import closures
 from topomap.study.run_data import RunData
-from topomap.study.summary import plain, summarise, table_rows, write_whole
+from topomap.study.summary import Summary, plain, summarise, table_rows, write_whole
 from topomap.types import Verdict
 
 LEDGER_LIMIT = 400
@@ -39,18 +40,21 @@ class LedgerPart:
     left_out: int
 
 
-def write_report(run: RunData, path: Path) -> None:
-    """Write the report of a run as one self-contained HTML file, whole or not at all; raises OSError."""
-    write_whole(path, render(run))
+def write_report(run: RunData, path: Path, summary: Summary | None = None) -> None:
+    """Write the report of a run as one self-contained HTML file, whole or not at all; raises OSError.
+
+    summary: the run's, where it is known already, which saves judging every pass again.
+    """
+    write_whole(path, render(run, summary))
 
 
-def render(run: RunData) -> str:
+def render(run: RunData, summary: Summary | None = None) -> str:
     """Return the report's HTML: the same text for the same run."""
     loader = PackageLoader("topomap.study", package_path="")
     page = Environment(loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True)
     return page.get_template("report.html").render(
         run=run,
-        rows=table_rows(summarise(run)) + relative_rows(run),
+        rows=table_rows(summary or summarise(run)) + relative_rows(run),
         pictures=pictures(run),
         missing=[(kind.name, why) for kind in FIGURES if (why := kind.missing(run)) is not None],
         parts=ledger_parts(run),
@@ -84,18 +88,18 @@ def relative_rows(run: RunData) -> list[tuple[str, str]]:
 
 def ledger_parts(run: RunData) -> list[LedgerPart]:
     """Return the ledger in parts: what was accepted, what was withdrawn or is pending, what was refused."""
-    return [
-        _part("Accepted", run, True, (Verdict.ACCEPTED,)),
-        _part("Withdrawn or pending", run, False, (Verdict.WITHDRAWN, Verdict.PENDING)),
-        _part("Refused", run, False, (Verdict.REFUSED,)),
-    ]
-
-
-def _part(title: str, run: RunData, unfolded: bool, verdicts: tuple[Verdict, ...]) -> LedgerPart:
-    rows = ledger(run, verdicts)
-    return LedgerPart(
-        f"{title} ({len(rows)})", unfolded, rows[:LEDGER_LIMIT], max(len(rows) - LEDGER_LIMIT, 0)
+    every = closures(run)
+    kinds = (
+        ("Accepted", (Verdict.ACCEPTED,)),
+        ("Withdrawn or pending", (Verdict.WITHDRAWN, Verdict.PENDING)),
+        ("Refused", (Verdict.REFUSED,)),
     )
+    return [_part(title, ledger(run, every, verdicts)) for title, verdicts in kinds]
+
+
+def _part(title: str, rows: list[LedgerRow]) -> LedgerPart:
+    shown, left_out = rows[:LEDGER_LIMIT], max(len(rows) - LEDGER_LIMIT, 0)
+    return LedgerPart(f"{title} ({len(rows)})", title == "Accepted", shown, left_out)
 
 
 def _relative(error: RelativeError) -> str:
