@@ -20,6 +20,15 @@ from topomap.study.report import LEDGER_LIMIT, ledger_parts, render, write_repor
 from topomap.types import Verdict
 
 RUN = make_run()
+BARE = replace(
+    RUN,
+    truth=None,
+    difference=None,
+    place_difference=None,
+    first_closure=(),
+    goal_node=None,
+    decisions=(),
+)
 
 
 @pytest.fixture(scope="module")
@@ -58,11 +67,7 @@ def test_what_comes_from_outside_is_escaped() -> None:
 
 
 def test_figures_that_do_not_apply_are_left_out_with_a_reason() -> None:
-    bare = replace(
-        RUN, truth=None, difference=None, place_difference=None, first_closure=(), goal_node=None,
-        decisions=(),
-    )  # fmt: skip
-    text = render(bare)
+    text = render(BARE)
     assert text.count("<img") == 1
     assert text.count("Left out: ") == len(FIGURES) - 1
     assert "because the robot wasn&#39;t asked to go home" in text
@@ -98,7 +103,7 @@ def test_svg_figures_are_svg(page: str) -> None:
 def test_an_unwritable_place_is_an_os_error(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("in the way")
     with pytest.raises(OSError, match="file"):
-        write_report(replace(RUN, decisions=()), tmp_path / "file" / "report.html")
+        write_report(BARE, tmp_path / "file" / "report.html")
 
 
 @pytest.mark.parametrize("kind", FIGURES, ids=lambda kind: kind.name)
