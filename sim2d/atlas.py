@@ -50,7 +50,8 @@ def paint_look(look: Look, length: float, height: float, seed: int) -> Canvas:
         if decal.kind not in DECALS:
             raise WorldError(f"unknown decal {decal.kind!r}; there are {', '.join(sorted(DECALS))}")
         rng = stream(seed, f"decal {decal.seed}")
-        _paste(canvas, DECALS[decal.kind](decal.length, decal.top - decal.base, decal.colour, rng), decal.start, decal.base)
+        picture = DECALS[decal.kind](decal.length, decal.top - decal.base, decal.colour, rng)
+        _paste(canvas, picture, decal.start, decal.base)
     return canvas
 
 

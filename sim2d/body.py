@@ -38,7 +38,7 @@ class Body:
         return float(self._body.position.y)
 
     def advance(self, forward: float, turn: float, dt: float) -> tuple[float, float]:
-        """Drive for dt [s] at forward [m/s], turn [rad/s], held to the limits; return the true arc: way [m], turn [rad]."""
+        """Drive for dt [s] at forward [m/s], turn [rad/s], held to the limits; return the true arc (m, rad)."""
         forward = _held(forward, self._config.max_speed)
         turn = _held(turn, self._config.max_turn)
         count = max(1, round(dt / SUBSTEP))

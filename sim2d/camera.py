@@ -78,6 +78,8 @@ class Camera:
 
 
 def decode(encoded: bytes) -> NDArray[np.uint8]:
-    """Return the RGB image (H, W, 3) of JPEG or PNG bytes."""
+    """Return the RGB image (H, W, 3) of JPEG or PNG bytes. Raises ValueError for others."""
     image = cv2.imdecode(np.frombuffer(encoded, dtype=np.uint8), cv2.IMREAD_COLOR)
+    if image is None:
+        raise ValueError("these bytes are no JPEG or PNG image")
     return np.asarray(cv2.cvtColor(image, cv2.COLOR_BGR2RGB), dtype=np.uint8)

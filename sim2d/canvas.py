@@ -15,7 +15,7 @@ TEXELS = 50.0  # per metre: 2 cm each
 def blank(length: float, height: float, colour: Colour) -> Canvas:
     """Return a canvas (V, U, 3) of length x height [m] in one colour."""
     shape = (max(2, round(height * TEXELS)), max(2, round(length * TEXELS)))
-    return np.broadcast_to(np.float32(colour), (*shape, 3)).copy()
+    return np.tile(np.asarray(colour, dtype=np.float32), (*shape, 1))
 
 
 def clouds(rng: np.random.Generator, canvas: Canvas, size: float) -> NDArray[np.float32]:
@@ -34,7 +34,7 @@ def rectangle(canvas: Canvas, x: tuple[float, float], z: tuple[float, float], co
     v, u = canvas.shape[:2]
     i0, i1 = np.clip([round(x[0] * TEXELS), round(x[1] * TEXELS)], 0, u)
     j0, j1 = np.clip([v - round(z[1] * TEXELS), v - round(z[0] * TEXELS)], 0, v)
-    canvas[j0:j1, i0:i1] = np.float32(colour)
+    canvas[j0:j1, i0:i1] = np.asarray(colour, dtype=np.float32)
 
 
 def disc(canvas: Canvas, x: float, z: float, radius: float, colour: Colour) -> None:
@@ -42,7 +42,7 @@ def disc(canvas: Canvas, x: float, z: float, radius: float, colour: Colour) -> N
     v, u = canvas.shape[:2]
     rows, columns = np.ogrid[:v, :u]
     far = np.hypot(columns + 0.5 - x * TEXELS, v - rows - 0.5 - z * TEXELS)
-    canvas[far <= radius * TEXELS] = np.float32(colour)
+    canvas[far <= radius * TEXELS] = np.asarray(colour, dtype=np.float32)
 
 
 def shade(colour: Colour, factor: float) -> Colour:

@@ -37,7 +37,7 @@ class LaserConfig(Section):
 
 
 class OdometerConfig(Section):
-    """The odometer: forward_read = distance_scale * forward, turn_read = rotation_scale * turn + curvature * forward."""
+    """Errors: forward_read = distance_scale * forward; turn_read = rotation_scale * turn + curvature * forward."""
 
     distance_scale: float = Field(0.95, gt=0, description="distance read per true metre")
     rotation_scale: float = Field(1.04, gt=0, description="turn read per true turn")

@@ -42,7 +42,7 @@ def window(length: float, height: float, colour: Colour, rng: np.random.Generato
     canvas *= sky + 0.06 * clouds(rng, canvas, 0.5)
     trees = 0.25 * height * (1 + 0.5 * clouds(rng, canvas, 0.35)[0, :, 0])
     heights = (canvas.shape[0] - np.arange(canvas.shape[0])[:, None]) / TEXELS
-    canvas[heights < trees[None, :]] = np.float32((0.3, 0.42, 0.25))
+    canvas[heights < trees[None, :]] = np.asarray((0.3, 0.42, 0.25), dtype=np.float32)
     panes = max(1, round(length / 0.8))
     for k in range(panes + 1):
         x = k * (length - 0.06) / panes

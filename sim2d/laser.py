@@ -22,7 +22,8 @@ class Laser:
 
     def exact(self, world: World, x: float, y: float, heading: float) -> NDArray[np.float64]:
         """Return the true ranges (R,) [m] at a pose [m, rad], NaN beyond the greatest range."""
-        return cast(world.scene(), x, y, self._bearings + heading, self._config.max_range)
+        ranges: NDArray[np.float64] = cast(world.scene(), x, y, self._bearings + heading, self._config.max_range)
+        return ranges
 
     def scan(self, world: World, x: float, y: float, heading: float) -> NDArray[np.float32]:
         """Return measured ranges (R,) [m] at a pose [m, rad], NaN where nothing came back."""

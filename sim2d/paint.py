@@ -26,6 +26,15 @@ def plaster(length: float, height: float, colour: Colour, rng: np.random.Generat
     return canvas
 
 
+def paper(length: float, height: float, colour: Colour, rng: np.random.Generator) -> Canvas:
+    """Wall in one tone with hardly a stain, over a skirting board: any stretch looks like any other."""
+    canvas = blank(length, height, colour)
+    canvas *= 1 + 0.02 * clouds(rng, canvas, 1.6)
+    canvas *= np.linspace(1.08, 0.86, canvas.shape[0], dtype=np.float32)[:, None, None]
+    rectangle(canvas, (0, length), (0, 0.1), shade(colour, 0.45))
+    return canvas
+
+
 def panels(length: float, height: float, colour: Colour, rng: np.random.Generator) -> Canvas:
     """Panels about 1.2 m wide, each of its own shade, on a dark dado."""
     canvas = plaster(length, height, colour, rng)
@@ -69,8 +78,8 @@ def marble(length: float, height: float, colour: Colour, rng: np.random.Generato
     """Pale stone with dark veins."""
     canvas = blank(length, height, colour)
     field = clouds(rng, canvas, 0.5) + 0.5 * clouds(rng, canvas, 0.2)
-    veins = np.exp(-np.square(np.sin(6 * field) * 4))
-    canvas *= 1 - 0.45 * veins + 0.1 * clouds(rng, canvas, 1.0)
+    veins = np.exp(-np.square(np.sin(3 * field) * 4))
+    canvas *= 1 - 0.3 * veins + 0.1 * clouds(rng, canvas, 1.0)
     return canvas
 
 
@@ -149,6 +158,7 @@ def slabs(length: float, height: float, colour: Colour, rng: np.random.Generator
 PAINTERS: Mapping[str, Painter] = {
     "plain": plain,
     "plaster": plaster,
+    "paper": paper,
     "panels": panels,
     "brick": brick,
     "wood": wood,

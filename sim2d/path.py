@@ -66,9 +66,7 @@ def rounded(corners: Sequence[Point], radius: float) -> NDArray[np.float64]:
     return _resampled(np.concatenate(pieces))
 
 
-def _arc(
-    a: NDArray[np.float64], b: NDArray[np.float64], c: NDArray[np.float64], radius: float
-) -> NDArray[np.float64]:
+def _arc(a: NDArray[np.float64], b: NDArray[np.float64], c: NDArray[np.float64], radius: float) -> NDArray[np.float64]:
     """Return the points of the arc that replaces corner b, or b itself on a straight line."""
     u, v = (a - b) / np.linalg.norm(a - b), (c - b) / np.linalg.norm(c - b)
     half = 0.5 * math.acos(float(np.clip(u @ v, -1, 1)))
@@ -81,7 +79,8 @@ def _arc(
     turn = (math.pi - 2 * half) * (1.0 if u[0] * v[1] - u[1] * v[0] < 0 else -1.0)
     angles = np.linspace(0.0, turn, max(3, int(abs(turn) / 0.02)))
     cos, sin = np.cos(angles), np.sin(angles)
-    return centre + np.stack([cos * start[0] - sin * start[1], sin * start[0] + cos * start[1]], axis=-1)
+    arc: NDArray[np.float64] = np.stack([cos * start[0] - sin * start[1], sin * start[0] + cos * start[1]], axis=-1)
+    return centre + arc
 
 
 def _along(points: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -106,6 +105,6 @@ def _shifted(points: NDArray[np.float64], lap: float, offset: float) -> NDArray[
     """Return the points moved to the left from the second lap on, setting in over a ramp."""
     tangent = np.gradient(points, axis=0)
     tangent /= np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), 1e-12)
-    left = np.stack([-tangent[:, 1], tangent[:, 0]], axis=-1)
+    left: NDArray[np.float64] = np.stack([-tangent[:, 1], tangent[:, 0]], axis=-1)
     share = np.clip((_along(points) - lap) / RAMP, 0.0, 1.0)[:, None]
     return points + offset * share * left

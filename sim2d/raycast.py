@@ -31,7 +31,9 @@ def _meet_line(scene: Scene, s: int, ox: float, oy: float, dx: float, dy: float)
 
 
 @njit(cache=True)
-def _insert(hits: FloatArray, surfaces: IntArray, sides: IntArray, n: int, start: int, t: float, s: int, side: int) -> int:
+def _insert(
+    hits: FloatArray, surfaces: IntArray, sides: IntArray, n: int, start: int, t: float, s: int, side: int
+) -> int:
     """Insert a hit among those from `start` on, sorted by distance, and return the new count."""
     if n >= len(hits):
         return n

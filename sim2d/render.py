@@ -17,6 +17,7 @@ FADE = 30.0  # [m] distance at which brightness has halved
 FAR = 200.0  # [m] nothing is drawn beyond
 SHIFT = np.uint64(21)  # between the channels of a packed colour
 LANE = np.uint64((1 << 21) - 1)
+WHITE = np.int64(255)
 HALF = 1 << 23  # a half, for rounding
 
 
@@ -50,47 +51,51 @@ def _level(footprint: float) -> int:
 
 
 @njit(cache=True, error_model="numpy")
-def _blend(texels: NDArray[np.uint64], a: int, b: int, v: float, nv: int, wu: int) -> int:
+def _blend(texels: NDArray[np.uint64], a: int, b: int, v: float, nv: int, wu: int) -> np.uint64:
     """Return the packed bilinear colour, times 4096, at row v of a tile, between its columns that begin at a and b;
     wu in 0..64 is b's share."""
     q = min(max(int(v * 64.0), 0), (nv - 1) * 64 - 1) if nv > 1 else 0
     j, wv = q >> 6, q & 63
     k = j + 1 if nv > 1 else j
-    return (
+    mixed: np.uint64 = (
         texels[a + j] * np.uint64((64 - wu) * (64 - wv))
         + texels[a + k] * np.uint64((64 - wu) * wv)
         + texels[b + j] * np.uint64(wu * (64 - wv))
         + texels[b + k] * np.uint64(wu * wv)
     )
+    return mixed
 
 
 @njit(cache=True, error_model="numpy")
-def _ground(texels: NDArray[np.uint64], base: int, n: int, x: float, y: float) -> int:
+def _ground(texels: NDArray[np.uint64], base: int, n: int, x: float, y: float) -> np.uint64:
     """Return the packed colour of a floor or ceiling at x, y [tiles]; n texels to a tile."""
     fine = n * 64
     u = int((x - np.floor(x)) * fine) + fine - 32
     i = u >> 6
     i = i - n if i >= n else i
     k = i + 1 if i + 1 < n else 0
-    return _blend(texels, base + n * i, base + n * k, (y - np.floor(y)) * n - 0.5, n, u & 63)
+    mixed: np.uint64 = _blend(texels, base + n * i, base + n * k, (y - np.floor(y)) * n - 0.5, n, u & 63)
+    return mixed
 
 
 @njit(cache=True, error_model="numpy")
-def _put(pixels: NDArray[np.uint8], p: int, colour: int, factor: float) -> None:
+def _put(pixels: NDArray[np.uint8], p: int, colour: np.uint64, factor: float) -> None:
     """Store a packed colour times a factor at entry p."""
     f = int(factor * 4096.0)
-    pixels[p] = min(255, (np.int64(colour & LANE) * f + HALF) >> 24)
-    pixels[p + 1] = min(255, (np.int64((colour >> SHIFT) & LANE) * f + HALF) >> 24)
-    pixels[p + 2] = min(255, (np.int64(colour >> SHIFT >> SHIFT) * f + HALF) >> 24)
+    for c in range(3):
+        pixels[p + c] = np.uint8(min(WHITE, (np.int64(colour & LANE) * f + HALF) >> 24))
+        colour >>= SHIFT
 
 
 @njit(cache=True, error_model="numpy")
-def _put_both(pixels: NDArray[np.uint8], p: int, colour: int, factor: float, other: int, share: float) -> None:
+def _put_both(
+    pixels: NDArray[np.uint8], p: int, colour: np.uint64, factor: float, other: np.uint64, share: float
+) -> None:
     """Store the sum of two packed colours, each times its factor, at entry p."""
     f, g = int(factor * 4096.0), int(share * 4096.0)
     for c in range(3):
-        sum_ = np.int64(colour & LANE) * f + np.int64(other & LANE) * g + HALF
-        pixels[p + c] = min(255, sum_ >> 24)
+        level = np.int64(colour & LANE) * f + np.int64(other & LANE) * g + HALF
+        pixels[p + c] = np.uint8(min(WHITE, level >> 24))
         colour >>= SHIFT
         other >>= SHIFT
 
@@ -128,13 +133,13 @@ def _exit(solid: IntArray, hits: FloatArray, surfaces: IntArray, sides: IntArray
     """Return where the ray leaves the solid that it entered at hit k."""
     for m in range(k + 1, n):
         if sides[m] == BACK and solid[surfaces[m]] == solid[surfaces[k]]:
-            return hits[m]
-    return hits[k]
+            return float(hits[m])
+    return float(hits[k])
 
 
 @njit(cache=True, error_model="numpy")
 def _rows(atlas: Atlas, eye: Eye, tile: int, rise: float, height: int) -> tuple[FloatArray, IntArray]:
-    """Return for each row the distance [m] and brightness (H, 2) of a ground `rise` [m] away, its tile's entry, size (H, 2)."""
+    """Return by row a ground's distance [m] and brightness (H, 2), and its tile's entry and size (H, 2)."""
     distance, tiles = np.empty((height, 2)), np.empty((height, 2), np.int64)
     for r in range(height):
         t = min(FAR, rise * eye.focal / max(abs(r - eye.horizon), 1e-3))

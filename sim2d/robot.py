@@ -12,7 +12,7 @@ from sim2d.driver import Driver
 from sim2d.laser import Laser
 from sim2d.odometer import Odometer
 from sim2d.path import of_route
-from sim2d.records import EPOCH_NS, OdometerReading, Rig, SimReading, SimTruth, TrueCalibration
+from sim2d.records import EPOCH_NS, CameraRig, OdometerReading, SimReading, SimTruth, TrueCalibration
 from sim2d.streams import stream
 from sim2d.world import World
 
@@ -55,7 +55,7 @@ class SimRobot:
         return self._odometer.calibration
 
     @property
-    def rig(self) -> Rig:
+    def rig(self) -> CameraRig:
         """The camera's rig, as each reading carries it."""
         return self._camera.rig
 

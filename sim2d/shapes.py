@@ -10,7 +10,7 @@ Colour = tuple[float, float, float]
 
 @dataclass(frozen=True, slots=True)
 class Decal:
-    """A flat thing on a surface, between `start` and `start + length` [m] along it and `base`..`top` [m] above the floor.
+    """A flat thing on a surface, from `start` [m] along it, `length` [m] long, `base`..`top` [m] above the floor.
 
     kind: a painter's name (`sim2d.decals`); colour (r, g, b) in [0, 1]; seed: same seed, same look.
     """
@@ -80,7 +80,7 @@ class Gate:
 
 @dataclass(frozen=True, slots=True)
 class Ground:
-    """Floor or ceiling: look, side of its square tile [m], gloss in [0, 1] (what share it mirrors), lamp spacing [m]."""
+    """Floor or ceiling: look, side of its square tile [m], gloss in [0, 1] (the share it mirrors), lamp spacing [m]."""
 
     look: Look
     tile: float = 6.4
@@ -100,7 +100,7 @@ class Route:
 
 @dataclass(frozen=True, slots=True)
 class Spec:
-    """A world as data; start is where the route begins, ceiling_height [m], goal [m] is where the robot shall go home to."""
+    """A world as data, in metres; the robot starts where the route begins, and goal is where it shall go home to."""
 
     name: str
     route: Route

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from sim2d import scene as scenes
 from sim2d.atlas import Atlas, AtlasBuilder
 from sim2d.errors import WorldError
-from sim2d.shapes import Box, Cylinder, Gate, Look, Point, Spec, Wall
+from sim2d.shapes import Box, Cylinder, Gate, Point, Spec, Wall
 
 STATIC = 0b1
 ROBOT = 0b10

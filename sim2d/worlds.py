@@ -7,9 +7,13 @@ from collections.abc import Callable, Mapping
 from sim2d.errors import WorldError
 from sim2d.shapes import Spec
 from sim2d.world import World
+from sim2d.world_hall import hall
+from sim2d.world_office import office_loop
 from sim2d.world_room import room_corridor
 
 SPECS: Mapping[str, Callable[[], Spec]] = {
+    "hall": hall,
+    "office-loop": office_loop,
     "room-corridor": room_corridor,
 }
 
