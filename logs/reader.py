@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
 from typing import TypeVar
@@ -15,6 +16,17 @@ from logs.schemas import codec, foxglove
 from logs.topics import PANORAMA
 
 R = TypeVar("R")
+
+
+@dataclass(frozen=True, slots=True)
+class Gathered:
+    """Messages in file order by topic."""
+
+    rows: Mapping[str, list[Item]]
+
+    def records(self, topic: str, kind: type[R]) -> list[tuple[int, R]]:
+        """Return stamp [ns] and record of each message of a topic that is stored as `topomap.*`."""
+        return [(item.stamp_ns, codec.decode(kind, item.data)) for item in self.rows[topic]]
 
 
 class LogReader:
@@ -41,6 +53,13 @@ class LogReader:
         """Yield stamp [ns] and record of each message of a topic that is stored as `topomap.*`."""
         for item in self.file.items((topic,)):
             yield item.stamp_ns, codec.decode(kind, item.data)
+
+    def gather(self, topics: Collection[str]) -> Gathered:
+        """Return all messages of some topics, read in one pass."""
+        rows: dict[str, list[Item]] = {topic: [] for topic in topics}
+        for item in self.file.items(topics):
+            rows[item.topic].append(item)
+        return Gathered(rows)
 
     def panorama(self, stamp_ns: int) -> bytes | None:
         """Return the encoded panorama of one stamp, None where there is none."""

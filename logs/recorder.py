@@ -43,7 +43,7 @@ class Recorder:
         self._channels: dict[str, int] = {}
         self._schemas: dict[type, int] = {}
         self._stamp: int | None = None
-        self._flushed_stamp = 0
+        self._waiting_stamp = 0  # the first that isn't flushed
         self._flushed_at = self._synced_at = time.monotonic_ns()
         self._closed = False
         try:
@@ -89,7 +89,7 @@ class Recorder:
                 self._synced_at = time.monotonic_ns()
         except OSError as error:
             raise self._failed(error) from error
-        self._flushed_stamp, self._flushed_at = self._stamp or 0, now
+        self._flushed_at = now
 
     def close(self) -> None:
         """Write the index and close the file; does nothing the second time."""
@@ -128,11 +128,12 @@ class Recorder:
     def _next_step(self, stamp_ns: int) -> None:
         """Flush between two steps, never inside one, so that a chunk holds whole steps."""
         if self._stamp is None:
-            self._flushed_stamp = stamp_ns
+            self._waiting_stamp = stamp_ns
         elif stamp_ns < self._stamp:
             raise LogError(f"{self._path}: stamps run backwards, {stamp_ns} after {self._stamp}")
-        elif max(stamp_ns - self._flushed_stamp, time.monotonic_ns() - self._flushed_at) >= self._flush_ns:
+        elif max(stamp_ns - self._waiting_stamp, time.monotonic_ns() - self._flushed_at) >= self._flush_ns:
             self.flush()
+            self._waiting_stamp = stamp_ns
         self._stamp = stamp_ns
 
     def _channel(self, topic: str) -> int:

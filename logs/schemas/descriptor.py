@@ -21,17 +21,13 @@ SCALARS: dict[type, FieldDescriptorProto.Type.ValueType] = {
 
 @dataclass(frozen=True, slots=True)
 class Shape:
-    """A record's field: its name, the type of one value, and whether it is a tuple of them or may be None."""
+    """A record's field: its name, the type of one value, and whether values are records, a tuple, may be None."""
 
     name: str
     kind: type
+    nested: bool
     repeated: bool = False
     optional: bool = False
-
-    @property
-    def nested(self) -> bool:
-        """Whether the values are records themselves."""
-        return is_dataclass(self.kind)
 
 
 @cache
@@ -44,11 +40,12 @@ def shapes(record: type) -> tuple[Shape, ...]:
 def _shape(name: str, hint: object) -> Shape:
     origin, args = get_origin(hint), get_args(hint)
     if origin is tuple and len(args) == 2 and args[1] is Ellipsis:
-        return Shape(name, args[0], repeated=True)
+        return Shape(name, args[0], is_dataclass(args[0]), repeated=True)
     if origin in (Union, UnionType) and NoneType in args and len(args) == 2:
-        return Shape(name, next(arg for arg in args if arg is not NoneType), optional=True)
+        kind = next(arg for arg in args if arg is not NoneType)
+        return Shape(name, kind, is_dataclass(kind), optional=True)
     if isinstance(hint, type) and (hint in SCALARS or is_dataclass(hint)):
-        return Shape(name, hint)
+        return Shape(name, hint, is_dataclass(hint))
     raise TypeError(f"no protobuf form for {name}: {hint}")
 
 

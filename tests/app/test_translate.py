@@ -294,10 +294,12 @@ def test_viewers_see_the_map_and_the_frames(path: Path) -> None:
     frames = [p for topic, _, p in rows if topic == topics.TRANSFORMS]
     assert len(frames) == STEPS
     assert [(t.parent_frame_id, t.child_frame_id) for t in frames[5].transforms] == [
+        ("world", "map"),
         ("map", "odom"),
         ("odom", "base_link"),
     ]
-    odom, body = frames[5].transforms
+    start, odom, body = frames[5].transforms
+    assert (start.translation.x, start.translation.y) == (1.0, 2.0)
     half = 2 * np.arctan2(odom.rotation.z, odom.rotation.w)
     x = odom.translation.x + np.cos(half) * body.translation.x - np.sin(half) * body.translation.y
     assert x == pytest.approx(_pose(5).x)

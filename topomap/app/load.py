@@ -11,9 +11,10 @@ import numpy as np
 from logs import records as log
 from logs import topics
 from logs.errors import LogError
-from logs.reader import LogReader
+from logs.reader import Gathered, LogReader
 from logs.replay import decoded
 from topomap.app import from_log
+from topomap.app import steps as columns
 from topomap.app.steps import Steps, read_steps
 from topomap.errors import DataError
 from topomap.geometry import FloatArray
@@ -22,6 +23,14 @@ from topomap.types import CalibrationState, Decision, Image, Phase, Verdict
 
 R = TypeVar("R")
 
+TOPICS = (
+    *columns.TOPICS,
+    topics.CLOSURES,
+    topics.NODE,
+    topics.CALIBRATION,
+    topics.FINAL,
+    topics.PERFORMANCE,
+)
 BEFORE = (20, 10)  # steps before the first closure whose panoramas are shown
 
 
@@ -40,13 +49,14 @@ def load_run(path: Path | str) -> RunData:
 
 
 def _load(log_file: LogReader) -> RunData:
-    header, steps = log_file.header, read_steps(log_file)
+    rows = log_file.gather(TOPICS)
+    header, steps = log_file.header, read_steps(rows)
     if not len(steps.stamps_ns):
         raise LogError(f"{log_file.file.path}: holds no whole step")
-    final = _last(log_file, topics.FINAL, log.Final)
-    closures = log_file.records(topics.CLOSURES, log.Closure)
+    final = _last(rows, topics.FINAL, log.Final)
+    closures = rows.records(topics.CLOSURES, log.Closure)
     decisions = tuple(from_log.decision(stored) for _, stored in closures)
-    performance = _last(log_file, topics.PERFORMANCE, log.Performance)
+    performance = _last(rows, topics.PERFORMANCE, log.Performance)
     return RunData(
         world=header.world,
         seed=header.seed,
@@ -64,10 +74,10 @@ def _load(log_file: LogReader) -> RunData:
         place_difference=steps.difference("place"),
         homing_difference=steps.difference("homing"),
         threshold=_threshold(steps),
-        nodes=_nodes(log_file, final),
+        nodes=_nodes(rows, final),
         edges=() if final is None else tuple((edge.a, edge.b, edge.kind) for edge in final.edges),
         decisions=decisions,
-        calibration=_calibration(log_file, final),
+        calibration=_calibration(rows, final),
         true_calibration=from_log.true_calibration(header),
         first_closure=_first_closure(log_file, steps, decisions),
         goal_node=_goal(steps, final),
@@ -79,9 +89,9 @@ def _load(log_file: LogReader) -> RunData:
     )
 
 
-def _last(log_file: LogReader, topic: str, kind: type[R]) -> R | None:
+def _last(rows: Gathered, topic: str, kind: type[R]) -> R | None:
     last: R | None = None
-    for _, record in log_file.records(topic, kind):
+    for _, record in rows.records(topic, kind):
         last = record
     return last
 
@@ -98,16 +108,16 @@ def _trajectory(steps: Steps, final: log.Final | None) -> FloatArray:
     return poses
 
 
-def _nodes(log_file: LogReader, final: log.Final | None) -> tuple[NodeData, ...]:
-    stored = final.nodes if final else [node for _, node in log_file.records(topics.NODE, log.Node)]
+def _nodes(rows: Gathered, final: log.Final | None) -> tuple[NodeData, ...]:
+    stored = final.nodes if final else [node for _, node in rows.records(topics.NODE, log.Node)]
     return tuple(
         NodeData(node.node, node.stamp_ns, np.array([node.pose.x, node.pose.y, node.pose.heading]), node.snapshot)
         for node in stored
     )
 
 
-def _calibration(log_file: LogReader, final: log.Final | None) -> CalibrationState | None:
-    stored = final.calibration if final else _last(log_file, topics.CALIBRATION, log.Calibration)
+def _calibration(rows: Gathered, final: log.Final | None) -> CalibrationState | None:
+    stored = final.calibration if final else _last(rows, topics.CALIBRATION, log.Calibration)
     return None if stored is None else from_log.calibration(stored)
 
 

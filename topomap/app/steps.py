@@ -10,11 +10,13 @@ import numpy as np
 
 from logs import records as log
 from logs import topics
-from logs.reader import LogReader
+from logs.reader import Gathered
 from topomap.geometry import FloatArray
 from topomap.study.run_data import BoolArray, IntArray
 
 R = TypeVar("R")
+
+TOPICS = (topics.ODOMETRY, topics.BELIEF, topics.DIFFERENCE, topics.MISSION, topics.TRUTH)
 
 
 @dataclass(frozen=True)
@@ -35,13 +37,16 @@ class Steps:
         return np.array([getattr(row, name) for row in self.differences], dtype=np.float64)
 
 
-def read_steps(log_file: LogReader) -> Steps:
-    """Return the steps that were logged wholly; a cut off last one is left out. Raises LogError."""
-    odometry = _by_stamp(log_file, topics.ODOMETRY, log.Odometry)
-    beliefs = _by_stamp(log_file, topics.BELIEF, log.Belief)
-    differences = _by_stamp(log_file, topics.DIFFERENCE, log.ImageDifference)
-    missions = _by_stamp(log_file, topics.MISSION, log.Mission)
-    truths = _by_stamp(log_file, topics.TRUTH, log.Truth)
+def read_steps(rows: Gathered) -> Steps:
+    """Return the steps that were logged wholly; a cut off last one is left out.
+
+    rows: at least `TOPICS`. Raises LogError for a message that can't be decoded.
+    """
+    odometry = _by_stamp(rows, topics.ODOMETRY, log.Odometry)
+    beliefs = _by_stamp(rows, topics.BELIEF, log.Belief)
+    differences = _by_stamp(rows, topics.DIFFERENCE, log.ImageDifference)
+    missions = _by_stamp(rows, topics.MISSION, log.Mission)
+    truths = _by_stamp(rows, topics.TRUTH, log.Truth)
     stamps = [s for s in odometry if s in beliefs and s in differences and s in missions]
     return Steps(
         stamps_ns=np.array(stamps, dtype=np.int64),
@@ -55,8 +60,8 @@ def read_steps(log_file: LogReader) -> Steps:
     )
 
 
-def _by_stamp(log_file: LogReader, topic: str, kind: type[R]) -> dict[int, R]:
-    return dict(log_file.records(topic, kind))
+def _by_stamp(rows: Gathered, topic: str, kind: type[R]) -> dict[int, R]:
+    return dict(rows.records(topic, kind))
 
 
 def _poses(rows: Sequence[log.Pose | log.Truth | None]) -> FloatArray:

@@ -51,6 +51,8 @@ class RunRecorder:
         self._nodes = nodes
         self._closures: dict[tuple[int, int], bool] = {}
         self._said: tuple[str, str, bool] = ("", "", False)
+        self._calibration: CalibrationState | None = None
+        self._start: log.Pose | None = None
         self._map_stale = False
         self._map_age = 0
         self._stamp = 0
@@ -95,16 +97,20 @@ class RunRecorder:
             stored = log.Truth(truth.stamp_ns, pose.x, pose.y, pose.heading, bool(truth.contact))
             self._write(topics.TRUTH, stored)
             self._write(topics.TRUE_POSE, log.FramedPose("world", pose))
+            self._start = self._start or pose
         self._write(topics.ODOMETRY, to_log.odometry(reading))
 
     def _write_poses(self, record: StepRecord) -> None:
         where, odom = record.where, record.dead_reckoning
         map_from_odom = where.pose @ odom.inverse()
         pose, dead = to_log.pose(where.pose), to_log.pose(odom)
-        frames = (
+        frames: tuple[log.Transform, ...] = (
             log.Transform("map", "odom", to_log.pose(map_from_odom)),
             log.Transform("odom", "base_link", dead),
         )
+        if self._start is not None:
+            # the map frame starts at the first pose: so viewers can lay the truth over the map
+            frames = (log.Transform("world", "map", self._start), *frames)
         self._write(topics.ESTIMATED_POSE, log.FramedPose("map", pose))
         self._write(topics.DEAD_RECKONING_POSE, log.FramedPose("map", dead))
         self._write(topics.TRANSFORMS, log.Transforms(frames))
@@ -116,7 +122,8 @@ class RunRecorder:
             self._write(topics.NODE, to_log.node(node))
         for decision in change.decisions:
             self._write(topics.CLOSURES, to_log.closure(decision))
-        if change.calibration is not None:
+        if change.calibration not in (None, self._calibration):
+            self._calibration = change.calibration
             self._write(topics.CALIBRATION, to_log.calibration(change.calibration))
 
     def _write_mission(self, record: StepRecord) -> None:
@@ -160,7 +167,7 @@ class RunRecorder:
             return
         nodes = self._nodes()
         # a map of thousands of nodes at every change would outgrow the panoramas
-        if self._map_age >= len(nodes) // 20:
+        if self._map_age >= len(nodes) // 10:
             self._send_map(nodes)
 
     def _note_closure(self, decision: Decision) -> None:
