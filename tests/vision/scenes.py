@@ -6,11 +6,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from topomap.geometry import Pose2
+from topomap.geometry import Pose2, wrap
 from topomap.rig import Rig
 from topomap.vision.panorama import Panorama
 
@@ -63,9 +64,7 @@ class Room:
     def at(self, pose: Pose2) -> Panorama:
         return self.view(pose.x, pose.y, pose.heading)
 
-    def _floor_and_ceiling(
-        self, x: float, y: float, angles: Floats, rows: Floats, rig: Rig
-    ) -> tuple[Floats, Floats]:
+    def _floor_and_ceiling(self, x: float, y: float, angles: Floats, rows: Floats, rig: Rig) -> tuple[Floats, Floats]:
         up = self.height - rig.camera_height
         reach = np.where(rows > 0, up, -rig.camera_height) / np.where(rows == 0, 1e-9, rows)
         px, py = x + reach[:, None] * np.cos(angles), y + reach[:, None] * np.sin(angles)
@@ -82,9 +81,7 @@ class Room:
             for t in ((self.depth - y) / s, -y / s):
                 walls.append((np.where(t > 0, t, np.inf), np.where(t > 0, x + t * c, 0.0), self.height))
         near = np.minimum.reduce([w[0] for w in walls])
-        walls = [
-            (np.where(w[0] == near, w[0], np.inf), np.where(w[0] == near, w[1], 0.0), w[2]) for w in walls
-        ]
+        walls = [(np.where(w[0] == near, w[0], np.inf), np.where(w[0] == near, w[1], 0.0), w[2]) for w in walls]
         return walls + [self._cylinder(x, y, c, s, *cylinder) for cylinder in self.cylinders]
 
     def _cylinder(
@@ -97,3 +94,18 @@ class Room:
         t = np.where(hit, along - np.sqrt(np.maximum(gap, 0)), np.inf)
         turn = np.arctan2(y + np.where(hit, t, 0) * s - cy, x + np.where(hit, t, 0) * c - cx)
         return t, r * turn, top
+
+
+def around(home: Pose2, distance: float) -> list[Pose2]:
+    """Eight poses at a distance [m] from home, each turned its own way."""
+    angles = [k * math.pi / 4 + 0.13 for k in range(8)]
+    return [
+        Pose2(home.x + distance * math.cos(a), home.y + distance * math.sin(a), wrap(1.1 * k + distance))
+        for k, a in enumerate(angles)
+    ]
+
+
+@cache
+def view(pose: Pose2, seed: int = 1) -> Panorama:
+    """The room of a seed, seen from a pose; rendered once for all tests."""
+    return Room(seed).at(pose)

@@ -44,14 +44,20 @@ def fitted_flow(current: Float32Array, goal: Float32Array, spec: FlowSpec) -> Fl
     design = np.column_stack([np.sin(angles), np.cos(angles), np.ones(len(flow))])
     fit: FloatArray = np.zeros(3)
     scale = math.radians(20.0)
-    robust: FloatArray = np.ones(len(flow))
+    robust: FloatArray = np.ones(len(flow), np.float64)
     for _ in range(spec.rounds):
         w = weight * robust
         normal = design.T @ (design * w[:, np.newaxis]) + 1e-9 * np.eye(3)
-        fit = np.linalg.solve(normal, design.T @ (w * flow))
+        fit = np.asarray(np.linalg.solve(normal, design.T @ (w * flow)), np.float64)
         scale = max(0.7 * scale, math.radians(3.0))
-        robust = 1.0 / (1.0 + ((flow - design @ fit) / scale) ** 2) ** 2
+        robust = _trust(flow - design @ fit, scale)
     return Flow(math.atan2(-fit[1], fit[0]), math.hypot(fit[0], fit[1]), float(fit[2]))
+
+
+def _trust(residual: FloatArray, scale: float) -> FloatArray:
+    """Geman-McClure's weight: what doesn't fit hardly counts."""
+    weight: FloatArray = 1.0 / np.square(1.0 + np.square(residual / scale))
+    return weight
 
 
 def measured_flow(current: Float32Array, goal: Float32Array, spec: FlowSpec) -> tuple[FloatArray, FloatArray]:

@@ -14,6 +14,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from topomap.errors import ShapeError
 from topomap.geometry import TAU, FloatArray, wrap
 from topomap.types import Alignment, Float32Array, HomeVector
 from topomap.vision.kernels import IntArray, scale_planes, warping_search
@@ -59,8 +60,8 @@ def _shifts(x: int, n: int, phases: int, levels: int, step: float) -> list[tuple
 @dataclass(frozen=True, slots=True, eq=False)
 class WarpingCost:
     """The search's outcome: cost (n, P) over alpha [columns] and rotation first .. first + P - 1 [columns];
-    level: what a wrong movement and rotation costs, on average, in these two views; first_bearing [rad] of
-    column 0.
+    level: what a wrong movement and rotation costs, on average, in these two views (0 when one of them is
+    blank); first_bearing [rad] of column 0.
     """
 
     cost: Float32Array
@@ -75,7 +76,12 @@ class WarpingCost:
 
 
 def warp(current: WarpingView, goal: WarpingView, prior: float | None = None, window: float = math.pi) -> WarpingCost:
-    """Search alpha everywhere and rotation within prior +- window [rad] (None: everywhere)."""
+    """Search alpha everywhere and rotation within prior +- window [rad] (None: everywhere).
+
+    Raises ShapeError.
+    """
+    if current.edges.shape != goal.edges.shape:
+        raise ShapeError(f"views differ in shape: {current.edges.shape} and {goal.edges.shape}")
     n = goal.edges.shape[3]
     floor = goal.spec.floor * float(goal.sums[0, 0].mean() + current.sums[0, 0].mean())
     planes = scale_planes(goal.edges, current.edges, goal.sums, current.sums, floor)
@@ -83,7 +89,8 @@ def warp(current: WarpingView, goal: WarpingView, prior: float | None = None, wi
     first, width = _rotations(prior, window, n)
     cost = warping_search(planes, shifts, scales, counts, np.arange(n), first, width)
     sample = cost if width == n else warping_search(planes, shifts, scales, counts, np.arange(0, n, 9), 0, n)
-    return WarpingCost(cost, first, float(sample.mean(dtype=np.float64)), goal.first_bearing)
+    seen = bool(goal.sums.any() and current.sums.any())
+    return WarpingCost(cost, first, float(sample.mean(dtype=np.float64)) if seen else 0.0, goal.first_bearing)
 
 
 def _rotations(prior: float | None, window: float, n: int) -> tuple[int, int]:
@@ -106,7 +113,7 @@ def best(found: WarpingCost) -> Alignment:
     least, mean = float(found.cost[alpha, turn]), float(found.cost[:, turn].mean())
     rotation = wrap((found.first + int(turn) + d_turn) * TAU / n)
     direction = (int(alpha) + d_alpha) * TAU / n + found.first_bearing
-    contrast = 1.0 - least / mean if mean > 1e-9 else 0.0
+    contrast = 1.0 - least / mean if min(mean, found.level) > 1e-9 else 0.0
     confidence = min(max((contrast - NOISE) / (CLEAR - NOISE), 0.0), 1.0)
     home = HomeVector(wrap(direction + math.pi - rotation), None, confidence)
     return Alignment(rotation, least / found.level if found.level > 1e-9 else 1.0, home)

@@ -8,6 +8,7 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
+from topomap.errors import ShapeError
 from topomap.geometry import TAU, FloatArray
 from topomap.types import Float32Array, HomeVector
 from topomap.vision.homing.needs import Needs
@@ -66,7 +67,12 @@ class DynamicWarping:
         return self.match(current, goal).home
 
     def match(self, current: RingPair, goal: RingPair) -> Match:
-        """Return the home vector and the cost of the matching, to verify that two views show one place."""
+        """Return the home vector and the cost of the matching, to verify that two views show one place.
+
+        Raises ShapeError.
+        """
+        if current.fine.shape != goal.fine.shape:
+            raise ShapeError(f"rings differ in shape: {current.fine.shape} and {goal.fine.shape}")
         ahead = fitted_flow(current.coarse, goal.coarse, self.flow).direction
         start = round(ahead * goal.fine.shape[1] / TAU)
         shift, cost = self._matched(current.fine, goal.fine, start)

@@ -1,0 +1,96 @@
+"""Signatures: the scale of their difference, and all rotations of a bank at once."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scenes import Room
+
+from topomap.errors import ShapeError
+from topomap.geometry import TAU, wrap
+from topomap.types import Image
+from topomap.vision.compare import (
+    ARRIVAL,
+    PLACE,
+    SignatureBank,
+    SignatureSpec,
+    mean_abs,
+    rms,
+    rotation_difference,
+    signature,
+    squared_differences,
+)
+from topomap.vision.panorama import Panorama
+
+
+def noise(seed: int) -> Panorama:
+    return Panorama(np.random.default_rng(seed).integers(0, 256, (100, 720, 3), dtype=np.uint8))
+
+
+@cache
+def place(seed: int = 1, heading: float = 0.0) -> Panorama:
+    return Room(seed).view(3.0, 2.5, heading)
+
+
+def test_the_scale_is_nought_for_the_same_and_root_two_for_unrelated_views() -> None:
+    assert rms(signature(place()), signature(place())) == 0.0
+    assert rms(signature(noise(1)), signature(noise(2))) == pytest.approx(math.sqrt(2), abs=0.1)
+    assert mean_abs(signature(noise(1)), signature(noise(2))) == pytest.approx(2 / math.sqrt(math.pi), abs=0.1)
+
+
+def test_the_difference_grows_with_distance_and_forgives_gain() -> None:
+    room, here = Room(), signature(place())
+    found = [rms(signature(room.view(3.0 + d, 2.5)), here) for d in (0.1, 0.3, 0.6)]
+    assert 0 < found[0] < found[1] < found[2] < 1.2
+    dimmed: Image = (place().image * 0.7).astype(np.uint8)
+    assert rms(signature(Panorama(dimmed)), here) < 0.03
+
+
+@pytest.mark.parametrize("spec", [PLACE, ARRIVAL, SignatureSpec(colour=True), SignatureSpec(columns=75)])
+def test_fourier_agrees_with_rolling(spec: SignatureSpec) -> None:
+    a, b = signature(place(1), spec), signature(place(2), spec)
+    fast = squared_differences(a, b.spectrum[np.newaxis])[0]
+    slow = [np.mean((b.pixels - np.roll(a.pixels, k, axis=1)) ** 2) for k in range(a.pixels.shape[1])]
+    np.testing.assert_allclose(fast, slow, atol=2e-5)
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.integers(0, 719))
+def test_rotation_is_found_with_its_sign(columns: int) -> None:
+    turn = columns * TAU / 720
+    difference, rotation = rotation_difference(signature(place().rolled(-columns)), signature(place()))
+    assert abs(wrap(rotation - turn)) < math.radians(0.7)
+    assert difference < 0.15
+
+
+def test_the_bank_answers_as_one_by_one_and_grows() -> None:
+    bank, views = SignatureBank(), [signature(place(seed)) for seed in range(1, 6)]
+    assert len(bank.compare(views[0]).difference) == 0
+    for _ in range(30):
+        for view in views:
+            bank.add(view)
+    current = signature(place(3, 1.0))
+    found = bank.compare(current)
+    assert len(bank) == len(found.difference) == 150
+    for i, view in enumerate(views):
+        assert rotation_difference(current, view) == (found.difference[145 + i], found.rotation[145 + i])
+    assert int(found.difference.argmin()) == 2
+    assert found.rotation[2] == pytest.approx(1.0, abs=math.radians(1))
+    assert len(bank.compare(current, first=7).difference) == 7
+
+
+def test_blank_views_compare_without_fuss_and_recipes_dont_mix() -> None:
+    blank = signature(Panorama(np.full((100, 720, 3), 90, np.uint8)))
+    assert rms(blank, blank) == 0.0
+    assert rotation_difference(blank, signature(place()))[0] == pytest.approx(1.0, abs=1e-3)
+    with pytest.raises(ShapeError):
+        rms(blank, signature(place(), ARRIVAL))
+    bank = SignatureBank()
+    bank.add(blank)
+    with pytest.raises(ShapeError):
+        bank.add(signature(place(), ARRIVAL))
