@@ -118,6 +118,11 @@ def node(node: NodeAdded) -> log.Node:
     return log.Node(node.node, node.stamp_ns, pose(node.pose), bool(node.snapshot), node.reason)
 
 
+def final_node(node: int, stamp_ns: int, where: Pose2, snapshot: bool) -> log.Node:
+    """Return a node of the finished map."""
+    return log.Node(int(node), int(stamp_ns), pose(where), bool(snapshot), "")
+
+
 def closure(decision: Decision) -> log.Closure:
     """Return a verdict on a closure candidate."""
     candidate = decision.candidate

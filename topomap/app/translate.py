@@ -194,8 +194,8 @@ def _final(final: FinalMap) -> log.Final:
     return log.Final(
         stamps_ns=tuple(stamps),
         poses=to_log.row(final.poses),
-        nodes=tuple(log.Node(id, stamp, to_log.pose(pose), snapshot, "") for id, stamp, pose, snapshot in final.nodes),
-        edges=tuple(log.Edge(a, b, kind) for a, b, kind in final.edges),
+        nodes=tuple(to_log.final_node(*node) for node in final.nodes),
+        edges=tuple(log.Edge(int(a), int(b), kind) for a, b, kind in final.edges),
         calibration=None if final.calibration is None else to_log.calibration(final.calibration),
         graph_hash=final.graph_hash,
         claimed=final.claimed,
