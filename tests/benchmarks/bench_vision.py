@@ -1,0 +1,141 @@
+"""Milliseconds of the vision kernels at 720 x 100, one thread, beside a peer where one is installed."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import math
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+
+from topomap.geometry import TAU
+from topomap.vision.aligned_homing import AlignedHoming
+from topomap.vision.alignment import MinWarpingCompass, VisualCompass
+from topomap.vision.compare import PLACE, SignatureBank, signature, squared_differences
+from topomap.vision.homing import AreaCentroid, DynamicWarping
+from topomap.vision.kernels import dtw_path
+from topomap.vision.panorama import Panorama
+from topomap.vision.ring import RingSpec, ring
+from topomap.vision.scale_planes import WARPING, warping_view
+from topomap.vision.warping import warp
+
+sys.path.append(str(Path(__file__).parents[1] / "vision"))
+from scenes import Room
+
+REPEATS = 25
+NODES = 500
+Row = dict[str, str | float | None]
+
+
+def rows() -> list[Row]:
+    """One row per kernel: name, ms, size, peer, peer_ms, ratio (ms / peer_ms)."""
+    cv2.setNumThreads(1)
+    room = Room()
+    goal, current = room.view(3.0, 2.5, 0.0), room.view(3.4, 2.8, 0.3)
+    return [*_compare(current, goal), *_warping(current, goal), *_dtw(current, goal), *_whole(current, goal)]
+
+
+def _compare(current: Panorama, goal: Panorama) -> list[Row]:
+    bank, view = SignatureBank(), signature(current)
+    stored = [signature(goal.rolled(7 * k)) for k in range(NODES)]
+    for one in stored:
+        bank.add(one)
+    sharp = VisualCompass().spec
+    a, b = signature(current, sharp), signature(goal, sharp)
+
+    def matched() -> list[Any]:
+        return [_match_template(view.pixels, one.pixels) for one in stored]
+
+    return [
+        _row("signature", lambda: signature(_fresh(current), PLACE), "720x100 to 90x10"),
+        _row("place search", lambda: bank.compare(view), f"{NODES} x 90x10", "cv2.matchTemplate", matched),
+        _row(
+            "compass ssd",
+            lambda: squared_differences(a, b.spectrum[np.newaxis]),
+            "180x25",
+            "cv2.matchTemplate",
+            lambda: _match_template(a.pixels, b.pixels),
+        ),
+        _row("compass sad", lambda: VisualCompass(form="sad").curve(a, b), "180x25"),
+    ]
+
+
+def _match_template(current: Any, stored: Any) -> Any:
+    around = np.concatenate([stored, stored[:, :-1]], axis=1)
+    return cv2.matchTemplate(around, current, cv2.TM_SQDIFF)
+
+
+def _warping(current: Panorama, goal: Panorama) -> list[Row]:
+    a, b = warping_view(current, WARPING), warping_view(goal, WARPING)
+    return [
+        _row("min-warping view", lambda: warping_view(_fresh(current), WARPING), "720x100"),
+        _row("min-warping full", lambda: warp(a, b), "72 columns, 9 scales"),
+        _row("min-warping +-30 deg", lambda: warp(a, b, 0.2, math.radians(30)), "72 columns, 9 scales"),
+    ]
+
+
+def _dtw(current: Panorama, goal: Panorama) -> list[Row]:
+    spec = RingSpec(columns=720, colour=False)
+    a, b = ring(current, spec), ring(goal, spec)
+    method = DynamicWarping()
+    here, there = method.describe(current), method.describe(goal)
+    peer, call = _dtw_peer(a, b)
+    return [
+        _row("dtw path", lambda: dtw_path(b, a, 100), "720 columns, 5 bands, band 100", peer, call),
+        _row("dtw unifying", lambda: method.home(here, there), "360 columns, 15 channels, flow, cost"),
+    ]
+
+
+def _dtw_peer(a: Any, b: Any) -> tuple[str | None, Callable[[], object] | None]:
+    if importlib.util.find_spec("tslearn"):
+        metrics = importlib.import_module("tslearn.metrics")
+        x, y = b.T.astype(np.float64), a.T.astype(np.float64)
+        return "tslearn", lambda: metrics.dtw_path(x, y, global_constraint="sakoe_chiba", sakoe_chiba_radius=100)
+    if importlib.util.find_spec("librosa"):
+        librosa = importlib.import_module("librosa")
+        return "librosa", lambda: librosa.sequence.dtw(b, a, global_constraints=True, band_rad=100 / 720)
+    return None, None
+
+
+def _whole(current: Panorama, goal: Panorama) -> list[Row]:
+    default = AlignedHoming(MinWarpingCompass(), DynamicWarping())
+    ranges = AlignedHoming(MinWarpingCompass(), AreaCentroid())
+    return [
+        _row("default compass + homing", lambda: default.home(_fresh(current), goal), "720x100, new view"),
+        _row("compass + area centroid", lambda: ranges.home(_fresh(current), goal), "720x100, new view"),
+        _row("panorama rolled", lambda: current.rotated(100 * TAU / 720), "720x100"),
+    ]
+
+
+def _fresh(panorama: Panorama) -> Panorama:
+    """The same view with nothing derived yet."""
+    return Panorama(panorama.image, panorama.ranges, panorama.rig)
+
+
+def _row(
+    name: str,
+    call: Callable[[], object],
+    size: str,
+    peer: str | None = None,
+    peer_call: Callable[[], object] | None = None,
+) -> Row:
+    ms = _milliseconds(call)
+    peer_ms = _milliseconds(peer_call) if peer_call else None
+    ratio = ms / peer_ms if peer_ms else None
+    return {"name": name, "ms": ms, "size": size, "peer": peer, "peer_ms": peer_ms, "ratio": ratio}
+
+
+def _milliseconds(call: Callable[[], object]) -> float:
+    call()
+    times = []
+    for _ in range(REPEATS):
+        start = time.perf_counter()
+        call()
+        times.append(time.perf_counter() - start)
+    return 1e3 * float(np.median(times))
