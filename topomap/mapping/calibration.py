@@ -1,4 +1,4 @@
-"""The odometry's systematic errors: the distance scale from measured ranges, and what is believed of all three."""
+"""The odometry's systematic errors: the distance scale from ranges, and what is believed of all three."""
 
 from __future__ import annotations
 
@@ -24,19 +24,13 @@ class RangeScaleSettings(BaseModel):
 
     steps: int = Field(default=5, ge=1, le=100, description="steps of one straight move")
     max_range: float = Field(default=10.0, gt=0, description="ranges beyond this aren't used [m]")
-    columns: int = Field(
-        default=5, ge=1, le=99, description="columns around the nose whose median is one range"
-    )
+    columns: int = Field(default=5, ge=1, le=99, description="columns around the nose whose median is one range")
     min_travel: float = Field(default=0.2, gt=0, description="shortest straight move [m]")
-    max_turn_deg: float = Field(
-        default=1.5, gt=0, le=20, description="largest turn of a straight move [degree]"
-    )
+    max_turn_deg: float = Field(default=1.5, gt=0, le=20, description="largest turn of a straight move [degree]")
     max_change: float = Field(default=0.25, gt=0, le=1, description="a scale further off is another object")
     min_moves: int = Field(default=8, ge=2, description="moves before the scale counts as seen")
     floor: float = Field(default=0.003, gt=0, le=0.1, description="error that more moves don't take away")
-    prior_sigma: float = Field(
-        default=0.1, gt=0, le=1, description="sigma of the scale before anything is seen"
-    )
+    prior_sigma: float = Field(default=0.1, gt=0, le=1, description="sigma of the scale before anything is seen")
 
 
 class RangeScale:
@@ -111,11 +105,7 @@ def calibration_state(
     sigmas = np.sqrt(np.diag(covariance))
     seen = [bool(s <= 0.5 * p) for s, p in zip(sigmas, prior_sigmas, strict=True)]
     return CalibrationState(
-        rotation_scale=Estimate(
-            calibration.rotation_scale, float(sigmas[0]) * calibration.rotation_scale, seen[0]
-        ),
+        rotation_scale=Estimate(calibration.rotation_scale, float(sigmas[0]) * calibration.rotation_scale, seen[0]),
         curvature=Estimate(calibration.curvature, float(sigmas[1]), seen[1]),
-        distance_scale=Estimate(
-            calibration.distance_scale, float(sigmas[2]) * calibration.distance_scale, seen[2]
-        ),
+        distance_scale=Estimate(calibration.distance_scale, float(sigmas[2]) * calibration.distance_scale, seen[2]),
     )

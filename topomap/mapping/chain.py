@@ -58,8 +58,8 @@ class Chain:
     def covariance_via(self, i: int, j: int, a: IntArray, b: IntArray, closures: FloatArray) -> FloatArray:
         """Return (3, 3) covariance of `i_from_j` by the best of the direct way and one closure on the way.
 
-        i, j: chain positions; a, b (n,): the closures' ends; closures (n, 3, 3): their covariances. Errors along the
-        way are taken as independent.
+        i, j: chain positions; a, b (n,): the closures' ends; closures (n, 3, 3): their covariances. Errors
+        along the way are taken as independent.
         """
         n = len(a)
         first, last = np.concatenate([a, b]), np.concatenate([b, a])
@@ -108,9 +108,7 @@ def _from_zero(steps: FloatArray) -> FloatArray:
     return np.concatenate([np.zeros((1, 3, 3)), np.cumsum(steps, axis=0)])
 
 
-def composed_covariance(
-    a: FloatArray, a_covariance: FloatArray, b: FloatArray, b_covariance: FloatArray
-) -> FloatArray:
+def composed_covariance(a: FloatArray, a_covariance: FloatArray, b: FloatArray, b_covariance: FloatArray) -> FloatArray:
     """Return (n, 3, 3) covariances of the poses a b (n, 3), each given with the covariance of its own."""
     rotation = _rotation(a[:, 2])
     ahead = (rotation[:, :2, :2] @ b[:, :2, None])[:, :, 0]

@@ -16,7 +16,7 @@ from topomap.types import Candidate
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """What one test found: its name, whether the candidate passed, the score measured, and why in plain words."""
+    """What one test found: its name, whether the candidate passed, its score, and why."""
 
     test: str
     passed: bool
@@ -29,13 +29,11 @@ class GateSettings(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    probability: float = Field(
-        default=0.99, gt=0.5, lt=1, description="share of true closures the gate lets pass"
-    )
+    probability: float = Field(default=0.99, gt=0.5, lt=1, description="share of true closures the gate lets pass")
 
 
 class OdometryGate:
-    """Refuses a closure that odometry can't explain: Mahalanobis distance with the covariance of the path between."""
+    """Refuses a closure that odometry can't explain, by its Mahalanobis distance."""
 
     def __init__(self, settings: GateSettings | None = None) -> None:
         self._s = settings or GateSettings()
@@ -43,8 +41,8 @@ class OdometryGate:
     def judge(self, candidate: Candidate, expected: Pose2, path_covariance: FloatArray) -> Finding:
         """Compare a candidate's `match_from_query` with the map's.
 
-        expected: the same relative pose as the map has it; path_covariance (3, 3): of expected, systematic errors
-        included (`Chain.covariance`, `Chain.covariance_via`). The score is the distance in sigmas.
+        expected: the same relative pose as the map has it; path_covariance (3, 3): of expected, systematic
+        errors included (`Chain.covariance`, `Chain.covariance_via`). The score is the distance in sigmas.
         """
         error = expected.to(candidate.relative).array()
         dof = 2 if candidate.covariance[2, 2] > UNKNOWN_HEADING else 3

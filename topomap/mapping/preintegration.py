@@ -14,10 +14,8 @@ IntArray = NDArray[np.int64]
 Accumulated = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]  # numba ships no types
-def accumulate(
-    deltas: FloatArray, covariances: FloatArray, starts: IntArray, rho: float, bend: float
-) -> Accumulated:
+@njit(cache=True)
+def accumulate(deltas: FloatArray, covariances: FloatArray, starts: IntArray, rho: float, bend: float) -> Accumulated:
     """Integrate E edges in raw units with headings rho * (turn - bend * forward).
 
     deltas (K, 3), covariances (K, 3, 3), starts (E + 1,), rho = 1/rotation scale, bend [rad/m as read].

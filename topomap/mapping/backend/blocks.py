@@ -40,9 +40,7 @@ class Blocks(NamedTuple):
         scale = root[:, None, None]
         calibration = None if self.by_calibration is None else self.by_calibration[kept] * scale
         by_i, by_j = self.by_i[kept] * scale, self.by_j[kept] * scale
-        return Blocks(
-            self.i[kept], self.j[kept], by_i, by_j, calibration, self.residual[kept] * root[:, None]
-        )
+        return Blocks(self.i[kept], self.j[kept], by_i, by_j, calibration, self.residual[kept] * root[:, None])
 
 
 def roots(covariance: FloatArray) -> FloatArray:
@@ -65,9 +63,7 @@ def _relative(poses: FloatArray, i: IntArray, j: IntArray) -> tuple[FloatArray, 
     return relative, by_i, by_j
 
 
-def odometry_blocks(
-    poses: FloatArray, calibration: Calibration, pairs: IntArray, edges: Preintegrated
-) -> Blocks:
+def odometry_blocks(poses: FloatArray, calibration: Calibration, pairs: IntArray, edges: Preintegrated) -> Blocks:
     """Return the odometry edges pairs (n, 2) in raw units.
 
     They are D R_i^T (t_j - t_i) - p_raw and R turn - turn_raw + C/D forward_raw. Raw units keep the noise

@@ -11,9 +11,7 @@ from topomap.errors import TopomapError
 from topomap.geometry import FloatArray
 from topomap.mapping.backend.blocks import Blocks
 
-ANCHOR_SIGMA = (
-    1e-3  # [m, rad] the anchor's residual is zero at the solution, so this only sets the conditioning
-)
+ANCHOR_SIGMA = 1e-3  # [m, rad] the anchor's residual is zero at the solution, so this only sets the conditioning
 
 
 class LinearSystem:
@@ -35,9 +33,7 @@ class LinearSystem:
     def add(self, blocks: Blocks) -> None:
         """Add every residual."""
         model, add, factor = self._units[blocks.residual.shape[1] - 1], self._graph.add, gtsam.JacobianFactor
-        rows = zip(
-            blocks.i.tolist(), blocks.by_i, blocks.j.tolist(), blocks.by_j, -blocks.residual, strict=True
-        )
+        rows = zip(blocks.i.tolist(), blocks.by_i, blocks.j.tolist(), blocks.by_j, -blocks.residual, strict=True)
         if blocks.by_calibration is None:
             for i, a, j, b, r in rows:
                 add(factor(i, a, j, b, r, model))

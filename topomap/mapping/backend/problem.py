@@ -77,9 +77,7 @@ class Closures:
         )
 
     def __getitem__(self, part: NDArray[np.bool_] | IntArray | slice) -> Closures:
-        return Closures(
-            self.i[part], self.j[part], self.relative[part], self.covariance[part], self.weight[part]
-        )
+        return Closures(self.i[part], self.j[part], self.relative[part], self.covariance[part], self.weight[part])
 
 
 def no_closures() -> Closures:
@@ -122,16 +120,12 @@ class Problem:
 
         for a, b in pairwise(self.odometry):
             if a.j != b.i:
-                raise TopomapError(
-                    f"the odometry breaks between nodes {a.j} and {b.i}; edges follow the way travelled"
-                )
+                raise TopomapError(f"the odometry breaks between nodes {a.j} and {b.i}; edges follow the way travelled")
 
     def _check_numbers(self) -> None:
         named = {
             "poses": (self.poses,),
-            "odometry": tuple(
-                x for e in self.odometry for x in (e.increments.deltas, e.increments.covariances)
-            ),
+            "odometry": tuple(x for e in self.odometry for x in (e.increments.deltas, e.increments.covariances)),
             "closures": (self.closures.relative, self.closures.covariance, self.closures.weight),
             "turn observations": tuple(np.array([t.turn, t.sigma]) for t in self.turns),
             "calibration": (self.calibration.vector(), self.prior.vector(), np.array(self.prior_sigmas)),

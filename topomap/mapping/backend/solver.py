@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from topomap.geometry import FloatArray
-from topomap.mapping.backend.blocks import closure_chi2
 from topomap.mapping.backend.problem import Problem, Solution
+from topomap.mapping.backend.schedule import Schedule, Weighing
 from topomap.mapping.backend.settings import BackendSettings
-from topomap.mapping.backend.state import Graph, Linearised, State, geman_mcclure
+from topomap.mapping.backend.state import Graph, Linearised, State
 
 
 def solve(problem: Problem, settings: BackendSettings | None = None) -> Solution:
@@ -23,17 +23,14 @@ def solve(problem: Problem, settings: BackendSettings | None = None) -> Solution
     start = graph.start()
     at_start = graph.linearise(start)
     before = graph.truncated_error(at_start, chosen.cutoff)
-    state, at, iterations = _anneal(graph, start, at_start, chosen)
-    state, at, more = _settle(graph, state, at, chosen)
+    state, at, iterations = _best(graph, start, at_start, chosen)
     after = graph.truncated_error(at, chosen.cutoff)
     improved = bool(np.isfinite(after) and after < before - 1e-9)
     if not improved:
         state, at = start, at_start
     weights = inliers(graph, at, chosen.cutoff)
     covariance = graph.system(at, weights).covariance()
-    return Solution(
-        state.poses, state.calibration, covariance, weights, before, after, iterations + more, improved
-    )
+    return Solution(state.poses, state.calibration, covariance, weights, before, after, iterations, improved)
 
 
 def inliers(graph: Graph, at: Linearised, cutoff: float) -> FloatArray:
@@ -46,28 +43,35 @@ def _chi2(graph: Graph, at: Linearised) -> FloatArray:
     return at.closures.chi2() / np.maximum(graph.problem.closures.weight, 1e-12)
 
 
-def _anneal(
-    graph: Graph, state: State, at: Linearised, settings: BackendSettings
-) -> tuple[State, Linearised, int]:
-    """Believe at first what odometry allows, then less and less.
+def _best(graph: Graph, start: State, at: Linearised, settings: BackendSettings) -> tuple[State, Linearised, int]:
+    """Return the better end of two ways: all that odometry allows, or first those that support one another."""
+    if bool(inliers(graph, at, settings.cutoff).all()):
+        return _settle(graph, start, at, settings, 0)
+    schedule = Schedule(graph, settings)
+    if settings.cutoffs:
+        narrowed = _anneal(graph, start, at, schedule.narrowing())
+        return _settle(graph, *narrowed, settings, len(settings.cutoffs))
+    first = _settle(graph, *_anneal(graph, start, at, schedule.allowed()), settings, len(schedule))
+    supported = schedule.supported()
+    if supported is None or bool(inliers(graph, first[1], settings.cutoff).all()):
+        return first
+    second = _settle(graph, *_anneal(graph, start, at, supported), settings, first[2] + len(schedule))
+    errors = [graph.truncated_error(end[1], settings.cutoff) for end in (first, second)]
+    state, there, _ = second if errors[1] < errors[0] else first
+    return state, there, second[2]
 
-    The cutoff is on the distance in the sum of the closure's covariance and the odometry's along the way: a true
-    closure of a long loop may be far off, a false one of a short path mayn't.
-    """
-    closures, extra = graph.problem.closures, graph.allowance()
-    for stage in range(settings.stages):
-        if bool((_chi2(graph, at) <= settings.cutoff**2).all()):
-            return state, at, stage
-        chi2 = closure_chi2(state.poses, closures, extra * settings.shrink ** (-2 * stage))
-        state, at, _ = graph.step(state, at, geman_mcclure(chi2, settings.cutoff))
-    return state, at, settings.stages
+
+def _anneal(graph: Graph, state: State, at: Linearised, schedule: Weighing) -> tuple[State, Linearised]:
+    for weigh in schedule:
+        state, at, _ = graph.step(state, at, weigh(state.poses))
+    return state, at
 
 
 def _settle(
-    graph: Graph, state: State, at: Linearised, settings: BackendSettings
+    graph: Graph, state: State, at: Linearised, settings: BackendSettings, done: int
 ) -> tuple[State, Linearised, int]:
     for iteration in range(settings.iterations):
         state, at, move = graph.step(state, at, inliers(graph, at, settings.cutoff))
         if move < settings.tolerance:
-            return state, at, iteration + 1
-    return state, at, settings.iterations
+            return state, at, done + iteration + 1
+    return state, at, done + settings.iterations

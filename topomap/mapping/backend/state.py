@@ -57,17 +57,15 @@ class Graph:
         self._turn_cutoff = turn_cutoff
         self._sigmas = np.array(problem.prior_sigmas)
 
-    def allowance(self) -> FloatArray:
-        """Return (M, 3, 3) how far odometry alone may have led the two ends of each closure apart."""
-        if not self._pairs.size:
-            return np.tile(np.eye(3), (len(self.problem.closures), 1, 1))
-        order = np.append(self._pairs[:, 0], self._pairs[-1, 1])
+    def chain(self) -> tuple[Chain, IntArray]:
+        """Return the travelled chain by the problem's own estimate, and each node's (N,) place in it."""
+        order = np.append(self._pairs[:, 0], self._pairs[-1:, 1])
         edges = self._edges.integrate(self.problem.calibration)
         covariance = np.diag(self._sigmas**2)
         chain = Chain.of(self.problem.poses[order], edges, self.problem.calibration, covariance)
         position = np.zeros(len(self.problem.poses), np.int64)
         position[order] = np.arange(len(order))
-        return chain.covariance(position[self.problem.closures.i], position[self.problem.closures.j])
+        return chain, position
 
     def start(self) -> State:
         """Return the problem's own estimate."""
