@@ -176,6 +176,8 @@ def _scan_chunk(contents: Contents, offset: int, content: bytes) -> None:
     if not messages:
         return
     counts = Counter(message.channel_id for message in messages)
+    if not counts.keys() <= contents.channels.keys():
+        raise ValueError("its messages' channels were described in a chunk that is damaged")
     stamps = [message.log_time for message in messages]
     contents.counts.update(counts)
     contents.chunks.append(ChunkEntry(offset, min(stamps), max(stamps), frozenset(counts)))

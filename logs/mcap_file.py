@@ -13,7 +13,7 @@ from mcap.records import Attachment, Message, Metadata
 from logs.contents import MAGIC, Contents, attachment, metadata, read_chunk, read_contents, read_record
 from logs.errors import LogError
 
-_Read = Callable[[IO[bytes], int], Sequence[Message | Attachment | Metadata]]
+_Read = Callable[[IO[bytes], int], Sequence[Message | Attachment | Metadata | None]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,11 +82,14 @@ class McapFile:
         places += [(offset, _metadata) for _, offset in contents.metadata]
         for offset, read in sorted(places, key=lambda place: place[0]):
             try:
-                yield from read(self._file, offset)
+                records = read(self._file, offset)
             except OSError:
                 raise
             except Exception:  # what can't be read is reported as such, whatever the reason
-                yield None
+                records = [None]
+            for record in records:
+                known = not isinstance(record, Message) or record.channel_id in contents.channels
+                yield record if known else None
 
     def close(self) -> None:
         """Close the file."""

@@ -74,6 +74,8 @@ class _Channels:
 
     def _schema(self, old: int) -> int:
         if old not in self._schemas:
-            schema = self._contents.schemas[old]
+            schema = self._contents.schemas.get(old)
+            if schema is None:
+                return 0  # messages are worth keeping even where what describes them is lost
             self._schemas[old] = self._writer.register_schema(schema.name, schema.encoding, schema.data)
         return self._schemas[old]

@@ -65,7 +65,7 @@ class ReplayRobot:
     def steps(self) -> int:
         """How many readings the log holds."""
         contents = self._log.file.contents
-        return sum(n for id, n in contents.counts.items() if contents.channels[id].topic == ODOMETRY)
+        return sum(contents.counts[id] for id, one in contents.channels.items() if one.topic == ODOMETRY)
 
     def sense(self) -> Reading | None:
         """Return the next reading, None at the end; raises LogError for a damaged one."""

@@ -158,3 +158,16 @@ def test_what_is_no_log_says_so(tmp_path: Path, content: bytes | None, what: str
 def test_a_directory_is_no_log(tmp_path: Path) -> None:
     with pytest.raises(LogError, match="can't be read"):
         LogReader(tmp_path)
+
+
+def test_a_cut_off_log_whose_first_chunk_is_damaged_is_refused_not_misread(tmp_path: Path, whole: bytes) -> None:
+    path, target = tmp_path / "run.mcap", tmp_path / "recovered.mcap"
+    path.write_bytes(whole)
+    with LogReader(path) as reader:
+        first, second = reader.file.contents.chunks[:2]
+    middle = (first.offset + second.offset) // 2
+    path.write_bytes((whole[:middle] + bytes(8) + whole[middle + 8 :])[:-40])
+    assert len(_stamps(path)) < 8
+    with pytest.raises(LogError, match="damaged"):
+        _replay(path)
+    assert recover(path, target).damaged >= 1
