@@ -40,9 +40,13 @@ def rectangle(canvas: Canvas, x: tuple[float, float], z: tuple[float, float], co
 def disc(canvas: Canvas, x: float, z: float, radius: float, colour: Colour) -> None:
     """Fill a disc [m]."""
     v, u = canvas.shape[:2]
-    rows, columns = np.ogrid[:v, :u]
-    far = np.hypot(columns + 0.5 - x * TEXELS, v - rows - 0.5 - z * TEXELS)
-    canvas[far <= radius * TEXELS] = np.asarray(colour, dtype=np.float32)
+    i, j, r = x * TEXELS, v - z * TEXELS, radius * TEXELS
+    i0, i1 = max(0, int(i - r)), min(u, int(i + r) + 2)
+    j0, j1 = max(0, int(j - r)), min(v, int(j + r) + 2)
+    if i0 >= i1 or j0 >= j1:
+        return
+    rows, columns = np.ogrid[j0:j1, i0:i1]
+    canvas[j0:j1, i0:i1][np.hypot(columns + 0.5 - i, rows + 0.5 - j) <= r] = np.asarray(colour, dtype=np.float32)
 
 
 def shade(colour: Colour, factor: float) -> Colour:

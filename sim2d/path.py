@@ -80,7 +80,8 @@ def _arc(a: NDArray[np.float64], b: NDArray[np.float64], c: NDArray[np.float64],
     angles = np.linspace(0.0, turn, max(3, int(abs(turn) / 0.02)))
     cos, sin = np.cos(angles), np.sin(angles)
     arc: NDArray[np.float64] = np.stack([cos * start[0] - sin * start[1], sin * start[0] + cos * start[1]], axis=-1)
-    return centre + arc
+    arc += centre
+    return arc
 
 
 def _along(points: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -46,6 +46,7 @@ class World:
         self.version = 0
         self.space = pymunk.Space()
         self.space.collision_slop = 1e-4
+        self.space.collision_bias = 1e-60  # of an overlap this is left after a second: walls are hard
         self._skins: dict[pymunk.Shape, Skin] = {}
         self._gates: list[tuple[Gate, pymunk.Shape]] = []
         self._solids = 0
