@@ -10,6 +10,7 @@ from scenes import around, view
 
 from topomap.geometry import TAU, Pose2, wrap
 from topomap.vision.alignment import ALIGNERS, GivenHeading, MinWarpingCompass, VisualCompass
+from topomap.vision.kernels import absolute_differences
 from topomap.vision.panorama import Panorama
 
 HOME = Pose2(3.7, 2.8, 0.4)
@@ -71,3 +72,10 @@ def test_purity() -> None:
     for aligner in ALIGNERS.values():
         assert aligner.align(a, b) == aligner.align(Panorama(image.copy()), Panorama(b.image.copy()))
     assert (a.image == image).all()
+
+
+def test_absolute_differences_are_those_of_rolling() -> None:
+    rng = np.random.default_rng(5)
+    a, b = (rng.normal(size=(4, 9)).astype(np.float32) for _ in range(2))
+    wanted = [np.abs(b - np.roll(a, k, axis=1)).mean() for k in range(9)]
+    np.testing.assert_allclose(absolute_differences(a, b), wanted, rtol=1e-5)

@@ -9,6 +9,7 @@ import pytest
 from scenes import Room
 
 from topomap.geometry import TAU, wrap
+from topomap.rig import Rig
 from topomap.vision.kernels import scale_planes, warping_search
 from topomap.vision.panorama import Panorama
 from topomap.vision.scale_planes import WARPING, WarpingSpec, warping_view
@@ -83,8 +84,6 @@ def test_residual_tells_the_place_from_another(seed: int) -> None:
 
 @pytest.mark.parametrize(("width", "height"), [(1, 5), (2, 2), (7, 1), (120, 25), (71, 30)])
 def test_small_panoramas_dont_crash(width: int, height: int) -> None:
-    from topomap.rig import Rig
-
     rng = np.random.default_rng(width)
     rig = Rig(width, height, (height - 1) / 2, width / TAU)
     views = [Panorama(rng.integers(0, 256, (height, width, 3), dtype=np.uint8), rig=rig) for _ in range(2)]

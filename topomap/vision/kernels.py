@@ -119,9 +119,9 @@ def absolute_differences(current: Float32Array, goal: Float32Array) -> Float64Ar
             twice[j] = current[r, (2 * columns - j) % columns]
         for i in range(columns):
             value = goal[r, i]
-            start = columns - i
+            turned = twice[columns - i : 2 * columns - i]
             for k in range(columns):
-                total[k] += abs(value - twice[start + k])
+                total[k] += abs(value - turned[k])
     mean: Float64Array = total.astype(np.float64) / (rows * columns)
     return mean
 
