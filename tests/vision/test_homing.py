@@ -120,5 +120,10 @@ def test_views_of_two_cameras_are_refused(name: str) -> None:
 def test_bearing_is_the_robots_own_after_alignment() -> None:
     pose = Pose2(3.2, 2.8, 0.4 + TAU / 4)
     homing = AlignedHoming(MinWarpingCompass(), None).home(view(pose), view(HOME))
+    assert AlignedHoming(MinWarpingCompass(), None).align(view(pose), view(HOME)) == homing.alignment
+    matched = AlignedHoming(MinWarpingCompass(), DynamicWarping()).align(view(pose), view(HOME))
+    assert matched.rotation == homing.alignment.rotation
+    assert matched.home is not None
+    assert abs(wrap(matched.home.bearing - pose.bearing_to(HOME))) < math.radians(8)
     assert homing.alignment.rotation == pytest.approx(TAU / 4, abs=math.radians(2))
     assert abs(wrap(homing.home.bearing - pose.bearing_to(HOME))) < math.radians(8)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Generic, TypeVar, cast
 
 from topomap.contract import Aligner, HomingMethod
@@ -44,6 +44,11 @@ class AlignedHoming(Generic[D]):
         found = self.method.home(_described(self.method, current.rolled(columns)), _described(self.method, goal))
         bearing = wrap(found.bearing - columns * TAU / current.rig.width)
         return Homing(HomeVector(bearing, found.distance, found.confidence), alignment)
+
+    def align(self, current: Panorama, goal: Panorama, prior: float | None = None) -> Alignment:
+        """Return the alignment with the method's home vector, so that the pair serves as an `Aligner` itself."""
+        found = self.home(current, goal, prior)
+        return replace(found.alignment, home=found.home)
 
 
 def _described(method: HomingMethod[D], panorama: Panorama) -> D:
