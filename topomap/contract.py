@@ -118,6 +118,17 @@ class TruthSource(Protocol):
     def truth(self) -> Truth | None: ...
 
 
+class PlanReading(Protocol):
+    """A world's plan, in the truth's frame [m]: polylines (N, 2), circles (x, y, r), labels (x, y, text)."""
+
+    @property
+    def polylines(self) -> tuple[NDArray[np.float64], ...]: ...
+    @property
+    def circles(self) -> tuple[tuple[float, float, float], ...]: ...
+    @property
+    def labels(self) -> tuple[tuple[float, float, str], ...]: ...
+
+
 class ViewSource(Protocol):
     """The view at a pose [m, rad], from a world or an image grid; for benches."""
 

@@ -84,7 +84,7 @@ def conclude(data: RunData, folder: RunFolder, interrupted: bool = False) -> Run
     summary = summarise(data)
     try:
         write_summary(folder.summary, summary)
-        write_report(data, folder.report)
+        write_report(data, folder.report, summary)
     except OSError as error:
         raise DataError(f"{folder.path}: can't be written ({error.strerror})") from error
     return RunResult(folder, summary, interrupted)

@@ -9,7 +9,7 @@ import numpy as np
 
 from logs import header as head
 from logs import records as log
-from topomap.contract import Reading, RigReading, Truth
+from topomap.contract import PlanReading, Reading, RigReading, Truth
 from topomap.geometry import FloatArray, Pose2
 from topomap.study.run_data import TrueCalibration
 from topomap.types import CalibrationState, Decision, Estimate, MapChange, NodeAdded, Plan, Travel, Verdict
@@ -25,7 +25,7 @@ def run_header(
     versions: Mapping[str, str] | None = None,
     start: Truth | None = None,
     true_calibration: TrueCalibration | None = None,
-    plan: Plan | None = None,
+    plan: PlanReading | None = None,
     replayed: bool = False,
 ) -> head.Header:
     """Return the log's header of a run; start: the true pose at the first step, where it is known."""
@@ -55,7 +55,7 @@ def _rig(rig: RigReading) -> head.Rig:
     )
 
 
-def _plan(plan: Plan) -> head.Plan:
+def _plan(plan: PlanReading) -> head.Plan:
     return head.Plan(
         tuple(tuple((float(x), float(y)) for x, y in line) for line in plan.polylines),
         tuple((float(x), float(y), float(r)) for x, y, r in plan.circles),

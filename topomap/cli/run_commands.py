@@ -36,7 +36,7 @@ def run(
     folder = RunFolder.create(out or Path("runs") / f"{world}-{seed}")
     with progress(world, robot.expected_steps) as advance:
         result = runs.run_world(robot, seed, chosen, folder, advance)
-    _show(result)
+    show(result)
 
 
 def replay(
@@ -52,7 +52,7 @@ def replay(
     folder = RunFolder.create(out or log.parent / "replay", keep=log)
     with progress("replay", robot.steps) as advance:
         result = runs.replay_log(robot, chosen, folder, advance)
-    _show(result)
+    show(result)
     same = runs.same_hash(log, result.summary)
     if same is not None:
         console.print("The graph hash is the run's." if same else "The graph hash differs from the run's.")
@@ -65,7 +65,7 @@ def report(
     """Write the summary and the report of a log again."""
     from topomap.app import runs
 
-    _show(runs.report_log(log, out or log.parent))
+    show(runs.report_log(log, out or log.parent))
 
 
 def info(log: Path = typer.Argument(help="MCAP log of a run.", metavar="RUN.mcap")) -> None:
@@ -92,7 +92,7 @@ def export(
         console.print(str(path), soft_wrap=True)
 
 
-def _show(result: RunResult) -> None:
+def show(result: RunResult) -> None:
     from topomap.study.summary import table_rows
 
     table(table_rows(result.summary), str(result.summary["world"]))

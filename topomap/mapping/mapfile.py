@@ -37,7 +37,7 @@ def load_map(path: Path) -> TopoMap:
         return from_bytes(path.read_bytes())
     except OSError as error:
         raise DataError(f"{path}: the map can't be read ({error.strerror})") from error
-    except (zipfile.BadZipFile, KeyError, ValueError, TypeError, IndexError) as error:
+    except (zipfile.BadZipFile, EOFError, KeyError, ValueError, TypeError, IndexError) as error:
         raise DataError(f"{path}: not a topomap map, or damaged ({error})") from error
 
 
@@ -87,7 +87,7 @@ def _meta(topo: TopoMap) -> dict[str, Any]:
 
 
 def from_bytes(data: bytes) -> TopoMap:
-    """Return the map of a file's bytes. Raises ValueError, KeyError, TypeError, IndexError or BadZipFile."""
+    """Return the map of a file's bytes. Raises ValueError, KeyError, TypeError, IndexError, EOFError or BadZipFile."""
     with np.load(io.BytesIO(data), allow_pickle=False) as file:
         arrays = {name: file[name] for name in file.files}
     meta = json.loads(arrays["meta"].tobytes())

@@ -71,4 +71,4 @@ class AccumulatedRule:
 
 def make_rule(settings: SnapshotSettings) -> SnapshotRule:
     """Return a fresh rule of the settings."""
-    return {"change": ChangeRule, "accumulated": AccumulatedRule}[settings.rule](settings)
+    return ChangeRule(settings) if settings.rule == "change" else AccumulatedRule(settings)

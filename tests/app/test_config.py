@@ -1,0 +1,72 @@
+"""The one strict loader: every mistake is one line that names the place, the value and what would be right."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from topomap.app.config import RunConfig, load_config, parse_config
+from topomap.errors import ConfigError
+
+
+def test_without_anything_the_defaults_stand() -> None:
+    assert load_config() == RunConfig()
+
+
+def test_a_file_changes_defaults_and_words_change_the_file(tmp_path: Path) -> None:
+    path = tmp_path / "run.toml"
+    path.write_text("[stack.mapper.snapshots]\nthreshold = 0.7\nmin_travel = 0.3\n")
+    config = load_config(path, ["stack.mapper.snapshots.threshold=0.6", "sim.camera.codec=png"])
+    assert config.stack.mapper.snapshots.threshold == 0.6
+    assert config.stack.mapper.snapshots.min_travel == 0.3
+    assert config.sim.camera.codec == "png"
+
+
+def test_what_is_stored_reads_back_equal() -> None:
+    config = load_config(None, ["stack.mapper.closing.position_sigma=0.2"])
+    assert parse_config(config.resolved(), "log") == config
+
+
+@pytest.mark.parametrize(
+    ("word", "says"),
+    [
+        ("stack.mapper.snapshots.treshold=1", r"unknown key stack.mapper.snapshots.treshold; known there: max_travel"),
+        ("stak.mapper=1", r"unknown key stak; known there: log, sim, stack"),
+        ("stack.mapper.snapshots.threshold=-1", r"stack.mapper.snapshots.threshold = -1: input should be greater"),
+        ("stack.mapper.snapshots.threshold=nan", r"threshold = nan"),
+        ("stack.mapper.snapshots.threshold=high", r"threshold = 'high': input should be a valid number"),
+        ("sim.camera.codec=gif", r"sim.camera.codec = 'gif': input should be 'jpeg' or 'png'"),
+        ("stack.mapper.snapshots.threshold", "expected section.key=value"),
+        ("=1", "expected section.key=value"),
+        ("sim.camera.codec.depth=1", "sim.camera.codec"),
+    ],
+)
+def test_a_wrong_word_is_one_clear_line(word: str, says: str) -> None:
+    with pytest.raises(ConfigError, match=says) as error:
+        load_config(None, [word])
+    assert str(error.value).startswith(f"--set {word}")
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("[stack", "not a TOML file"),
+        ("stack = 3", "stack = 3"),
+        ("[stack.mission]\nthen = 'dance'", "stack.mission.then = 'dance'"),
+        ("[stack.mission]\nwhere = 3", "unknown key stack.mission.where; known there: goal_node, then"),
+    ],
+)
+def test_a_wrong_file_is_one_clear_line_that_names_it(tmp_path: Path, text: str, says: str) -> None:
+    path = tmp_path / "run.toml"
+    path.write_text(text)
+    with pytest.raises(ConfigError, match=says) as error:
+        load_config(path)
+    assert str(error.value).startswith(str(path))
+    assert "\n" not in str(error.value)
+
+
+def test_a_missing_file_is_named(tmp_path: Path) -> None:
+    with pytest.raises(ConfigError, match="none.toml: cannot be read"):
+        load_config(tmp_path / "none.toml")

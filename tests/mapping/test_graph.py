@@ -1,0 +1,70 @@
+"""The map: growing, splitting edges, the trajectory, the hash."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from maps import STEP_NS, increments, snapshot, square
+
+from topomap.geometry import Pose2, compose
+from topomap.mapping.graph import Node, TopoMap
+from topomap.mapping.odometry import Calibration
+
+
+def test_a_new_node_stands_where_odometry_leads() -> None:
+    topo = TopoMap()
+    topo.add(Node(0, 0.0, snapshot(0)), None)
+    topo.add(Node(5 * STEP_NS, 0.5, None), increments(0, 5))
+    assert topo.poses[1] == pytest.approx([0.5, 0.0, 0.0])
+
+
+def test_calibration_is_applied_to_a_new_edge() -> None:
+    topo = TopoMap()
+    topo.calibration = Calibration(distance_scale=0.5)
+    topo.add(Node(0, 0.0, snapshot(0)), None)
+    topo.add(Node(5 * STEP_NS, 0.5, None), increments(0, 5))
+    assert topo.poses[1, 0] == pytest.approx(1.0)
+
+
+def test_inserting_splits_the_edge_and_moves_nothing() -> None:
+    topo = square()
+    before, stamps = topo.trajectory()[1].copy(), topo.trajectory()[0].copy()
+    node = topo.insert(7 * STEP_NS)
+    assert topo.nodes[node].snapshot is None
+    assert topo.chain[1:4] == [1, node, 2]
+    assert not topo.graph.has_edge(1, 2)
+    assert topo.graph.has_edge(1, node)
+    assert topo.trajectory()[0].tolist() == stamps.tolist()
+    assert topo.trajectory()[1] == pytest.approx(before)
+
+
+def test_inserting_at_a_node_returns_it() -> None:
+    topo = square()
+    assert topo.insert(10 * STEP_NS) == 2
+    assert len(topo.nodes) == 17
+
+
+def test_the_trajectory_ends_on_moved_nodes() -> None:
+    topo = square()
+    moved = compose(np.array([1.0, 2.0, 0.5]), topo.poses) + np.linspace(0, 0.3, 17)[:, None]
+    topo.move(moved, topo.calibration)
+    stamps, poses = topo.trajectory()
+    at = {int(s): p for s, p in zip(stamps, poses, strict=True)}
+    for node, pose in zip(topo.nodes, moved, strict=True):
+        assert at[node.stamp_ns] == pytest.approx(pose)
+
+
+def test_the_hash_sees_poses_verdicts_and_closures() -> None:
+    topo, same = square(), square()
+    assert topo.hash([]) == same.hash([])
+    assert topo.hash([(1, 2, "accepted", "x")]) != topo.hash([(1, 2, "refused", "x")])
+    before = topo.hash([])
+    topo.open(topo.closures[0])
+    opened = topo.hash([])
+    topo.poses[3, 0] += 1e-12
+    assert len({before, opened, topo.hash([])}) == 3
+
+
+def test_many_nodes_outgrow_the_first_table() -> None:
+    assert len(square(50).poses) == 201
+    assert square(50).pose(200).distance(Pose2()) < 1.0

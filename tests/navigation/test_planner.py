@@ -1,0 +1,32 @@
+"""Routes over the graph."""
+
+from __future__ import annotations
+
+import pytest
+from maps import STEP_NS, square
+
+from topomap.errors import TopomapError
+from topomap.mapping.graph import Node
+from topomap.navigation.planner import route
+
+
+def test_a_closure_shortens_the_way_home() -> None:
+    topo = square()
+    assert route(topo, 14, 0) == [15, 16, 0]
+    topo.open(topo.closures[0])
+    assert route(topo, 14, 0) == list(range(13, -1, -1))
+
+
+def test_pose_nodes_are_passed_but_no_milestones() -> None:
+    topo = square()
+    topo.insert(7 * STEP_NS)
+    assert route(topo, 0, 3) == [1, 2, 3]
+
+
+def test_an_unknown_or_unconnected_node_is_named() -> None:
+    topo = square()
+    with pytest.raises(TopomapError, match="no route from node 0 to node 99"):
+        route(topo, 0, 99)
+    lonely = topo._store(Node(10**12, 0.0, None), topo.poses[0], len(topo.chain))
+    with pytest.raises(TopomapError, match=f"to node {lonely}"):
+        route(topo, 0, lonely)
