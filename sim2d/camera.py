@@ -8,9 +8,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from sim2d.column import Eye
 from sim2d.config import CameraConfig
 from sim2d.records import CameraRig
-from sim2d.render import Eye, add_noise, render
+from sim2d.render import add_noise, render
 from sim2d.world import World
 
 NOISE_TABLE = 1 << 20

@@ -32,21 +32,15 @@ def clouds(rng: np.random.Generator, canvas: Canvas, size: float) -> NDArray[np.
 def rectangle(canvas: Canvas, x: tuple[float, float], z: tuple[float, float], colour: Colour) -> None:
     """Fill x[0]..x[1], z[0]..z[1] [m, z up from the canvas's foot] with a colour."""
     v, u = canvas.shape[:2]
-    i0, i1 = np.clip([round(x[0] * TEXELS), round(x[1] * TEXELS)], 0, u)
-    j0, j1 = np.clip([v - round(z[1] * TEXELS), v - round(z[0] * TEXELS)], 0, v)
+    i0, i1 = (min(max(round(value * TEXELS), 0), u) for value in x)
+    j1, j0 = (min(max(v - round(value * TEXELS), 0), v) for value in z)
     canvas[j0:j1, i0:i1] = np.asarray(colour, dtype=np.float32)
 
 
 def disc(canvas: Canvas, x: float, z: float, radius: float, colour: Colour) -> None:
     """Fill a disc [m]."""
-    v, u = canvas.shape[:2]
-    i, j, r = x * TEXELS, v - z * TEXELS, radius * TEXELS
-    i0, i1 = max(0, int(i - r)), min(u, int(i + r) + 2)
-    j0, j1 = max(0, int(j - r)), min(v, int(j + r) + 2)
-    if i0 >= i1 or j0 >= j1:
-        return
-    rows, columns = np.ogrid[j0:j1, i0:i1]
-    canvas[j0:j1, i0:i1][np.hypot(columns + 0.5 - i, rows + 0.5 - j) <= r] = np.asarray(colour, dtype=np.float32)
+    centre = round((x * TEXELS - 0.5) * 16), round((canvas.shape[0] - z * TEXELS - 0.5) * 16)
+    cv2.circle(canvas, centre, round(radius * TEXELS * 16), colour, cv2.FILLED, shift=4)
 
 
 def shade(colour: Colour, factor: float) -> Colour:
