@@ -63,7 +63,7 @@ class TucRecording:
         stamps = np.union1d(self.stamps_ns, inside)
         row = np.searchsorted(self.stamps_ns, stamps[:-1], side="right") - 1
         dt = (np.diff(stamps) / 1e9)[:, None]
-        moving = self.velocities[row].any(axis=1)[:, None]
+        moving = np.any(self.velocities[row], axis=1, keepdims=True)
         variances = self.variances[row] * (dt * _row_seconds(self.stamps_ns)[row][:, None]) * moving
         covariances = variances[:, :, None] * np.eye(3)
         return Increments(stamps[1:], self.velocities[row] * dt, covariances)
@@ -136,7 +136,9 @@ def _rows(path: Path, kinds: dict[str, tuple[str, ...]]) -> Rows:
 
 def _numbers(where: str, words: list[str], fields: tuple[str, ...]) -> list[float]:
     if len(words) != len(fields) + 1:
-        raise DataError(f"{where}: '{words[0]}' needs {len(fields)} numbers ({', '.join(fields)}), has {len(words) - 1}")
+        raise DataError(
+            f"{where}: '{words[0]}' needs {len(fields)} numbers ({', '.join(fields)}), has {len(words) - 1}"
+        )
     return [_number(where, field, word) for field, word in zip(fields, words[1:], strict=True)]
 
 

@@ -1,0 +1,76 @@
+"""The loop candidates of a recording as arrays and as the ledger's candidates."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from topomap.geometry import FloatArray, Pose2
+from topomap.mapping.backend import Closures
+from topomap.mapping.consistency import Claims, support
+from topomap.mapping.odometry import Calibration, IntArray
+from topomap.study.datasets.tuc import TucRecording
+from topomap.study.run_data import BoolArray
+from topomap.study.tuc_drive import Drive
+from topomap.study.tuc_settings import TucSettings
+from topomap.types import Candidate
+
+ANY_HEADING = (2 * math.pi) ** 2  # [rad^2] the recordings give no heading
+
+
+@dataclass(frozen=True, eq=False)
+class Loops:
+    """M candidates "the same place": query, match (M,) node ids, -1 for stamps outside the recording;
+    support (M,): the summed similarity of neighbours that agree."""
+
+    recording: TucRecording
+    query: IntArray
+    match: IntArray
+    support: FloatArray
+    covariance: FloatArray
+
+    @staticmethod
+    def of(recording: TucRecording, drive: Drive, settings: TucSettings) -> Loops:
+        """Find the candidates' nodes and who supports whom."""
+        query, match = drive.node_at(recording.query_ns), drive.node_at(recording.match_ns)
+        covariance = np.diag([settings.closure_sigma**2, settings.closure_sigma**2, ANY_HEADING])
+        loops = Loops(recording, query, match, np.zeros(len(query)), covariance)
+        told = np.flatnonzero(loops.known() & (loops.way(drive) >= settings.min_way))
+        odometry = drive.dead_reckoning(Calibration(curvature=settings.start_curvature))[drive.marks]
+        loops.support[told] = support(loops._claims(told), odometry, drive.way, settings.support)
+        return loops
+
+    def known(self) -> BoolArray:
+        """Return (M,) whether both stamps lie in the recording."""
+        return (self.query >= 0) & (self.match >= 0)
+
+    def way(self, drive: Drive) -> FloatArray:
+        """Return (M,) the way between both [m]."""
+        return np.abs(drive.way[self.query] - drive.way[self.match])
+
+    def _claims(self, which: IntArray) -> Claims:
+        n = len(which)
+        weight = self.recording.similarity[which]
+        return Claims(self.match[which], self.query[which], np.zeros((n, 3)), np.ones(n, bool), weight)
+
+    def closures(self, which: IntArray) -> Closures:
+        """Return some of them as edges, each counting by its similarity."""
+        n = len(which)
+        covariance = np.tile(self.covariance, (n, 1, 1))
+        weight = np.clip(self.recording.similarity[which], 1e-3, 1.0)
+        return Closures(self.match[which], self.query[which], np.zeros((n, 3)), covariance, weight)
+
+    def candidate(self, k: int) -> Candidate:
+        """Return one of them for the ledger."""
+        return Candidate(
+            int(self.recording.query_ns[k]),
+            int(self.match[k]),
+            int(self.recording.match_ns[k]),
+            Pose2(),
+            self.covariance,
+            float(self.recording.similarity[k]),
+            int(self.query[k]) if self.query[k] >= 0 else None,
+            {"support": float(self.support[k])},
+        )

@@ -1,0 +1,197 @@
+"""A recorded drive with bare loop candidates, through the same evidence, ledger and back end as the robot's own."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from topomap.geometry import FloatArray, Pose2, between
+from topomap.mapping.backend import BackendSettings, Closures, Problem, Solution, solve
+from topomap.mapping.calibration import calibration_state
+from topomap.mapping.evidence import OdometryGate
+from topomap.mapping.ledger import Ledger, key_of
+from topomap.mapping.odometry import Calibration, IntArray
+from topomap.study.datasets.tuc import TucRecording
+from topomap.study.run_data import NodeData, RunData
+from topomap.study.tuc_drive import Drive
+from topomap.study.tuc_loops import Loops
+from topomap.study.tuc_settings import TucSettings
+from topomap.types import CalibrationState, Estimate, Verdict
+
+# same-place loops see rotation, not distance (DESIGN.md): the distance scale is held while solving
+HELD = 1e-4
+
+
+def map_tuc(
+    recording: TucRecording, settings: TucSettings | None = None, versions: Mapping[str, str] | None = None
+) -> RunData:
+    """Map a recording and return it as a run at the odometry's stamps; the mapping never sees the truth."""
+    chosen = settings or TucSettings()
+    mapping = TucMapping(recording, chosen)
+    mapping.grow()
+    solution = mapping.close()
+    drive, ledger = mapping.drive, mapping.ledger
+    at = np.searchsorted(drive.stamps_ns, recording.stamps_ns)
+    _, final = drive.between_nodes(solution.poses, solution.calibration)
+    accepted = [(c.match, c.query, "closure") for c in ledger.accepted if c.query is not None]
+    return RunData(
+        world=recording.name,
+        seed=None,
+        config=chosen.model_dump(mode="json"),
+        versions=dict(versions or {}),
+        stamps_ns=recording.stamps_ns,
+        dead_reckoning=drive.dead_reckoning(Calibration())[at],
+        online=mapping.online[at],
+        final=final[at],
+        truth=None if recording.truth is None else recording.truth.at(recording.stamps_ns),
+        nodes=_nodes(drive, solution.poses),
+        edges=(*((e.i, e.j, "odometry") for e in drive.edges), *accepted),
+        decisions=tuple(ledger.decisions),
+        calibration=mapping.calibration_state(solution),
+        graph_hash=_hash(solution, accepted),
+        false_distance_m=2.0,
+    )
+
+
+class TucMapping:
+    """The map of one drive as it grows."""
+
+    def __init__(self, recording: TucRecording, settings: TucSettings) -> None:
+        self._s = settings
+        self.drive = Drive.of(recording)
+        self.loops = Loops.of(recording, self.drive, settings)
+        self.ledger = Ledger()
+        self._gate = OdometryGate(settings.gate)
+        self._calibration = self._start = Calibration(curvature=settings.start_curvature)
+        self._sigmas = (settings.rotation_sigma, settings.curvature_sigma, HELD)
+        self._poses = np.zeros((1, 3))
+        self._active = np.zeros(0, np.int64)
+        self._newest: int | None = None
+        self.online = np.zeros((len(self.drive.stamps_ns), 3))
+        self._candidates = [self.loops.candidate(k) for k in range(len(self.loops.query))]
+        self._waiting = self._sift()
+
+    def _sift(self) -> IntArray:
+        """Refuse what says nothing and what no neighbour supports; return the others."""
+        known, way = self.loops.known(), self.loops.way(self.drive)
+        needed = self._s.min_support
+        for k in np.flatnonzero(~known):
+            self._decide(int(k), Verdict.REFUSED, "a stamp lies outside the recording")
+        for k in np.flatnonzero(known & (way < self._s.min_way)):
+            self._decide(int(k), Verdict.REFUSED, f"only {way[k]:.1f} m of way between: it says nothing")
+        told = known & (way >= self._s.min_way)
+        for k in np.flatnonzero(told & (self.loops.support < needed)):
+            found = f"{self.loops.support[k]:.2f} of at least {needed:g}"
+            self._decide(int(k), Verdict.REFUSED, f"too few neighbours along the way agree ({found})")
+        return np.flatnonzero(told & (self.loops.support >= needed))
+
+    def _decide(self, k: int, verdict: Verdict, reason: str, stamp_ns: int | None = None) -> None:
+        candidate = self._candidates[k]
+        if self.ledger.verdict(key_of(candidate)) is not verdict:
+            self.ledger.decide(stamp_ns or candidate.query_ns, candidate, verdict, reason)
+
+    def grow(self) -> None:
+        """Follow the drive, with a solve every so often."""
+        way, every = self.drive.way, self._s.every
+        for piece in range(1, int(way[-1] / every) + 2):
+            nodes = int(np.searchsorted(way, piece * every, side="right"))
+            if nodes > len(self._poses):
+                self._extend(nodes)
+                self._listen(nodes)
+
+    def _extend(self, nodes: int) -> None:
+        first = len(self._poses) - 1
+        self._poses = self.drive.extended(self._poses, nodes, self._calibration)
+        _, poses = self.drive.between_nodes(self._poses, self._calibration, first)
+        begin = int(self.drive.marks[first])
+        self.online[begin : begin + len(poses)] = poses
+
+    def _listen(self, nodes: int) -> None:
+        """Let the newest loops through the gate and solve with all that stand."""
+        newest = np.maximum(self.loops.query, self.loops.match)[self._waiting]
+        new, self._waiting = self._waiting[newest < nodes], self._waiting[newest >= nodes]
+        self._active = np.concatenate([self._active, self._gated(new)])
+        if len(self._active):
+            solution = self._solve(self._active, self._s.growing)
+            self._poses, self._calibration = solution.poses, solution.calibration
+            self._note(self._active, solution.closure_weights > 0)
+
+    def _gated(self, new: IntArray) -> IntArray:
+        """Return those of the new loops that odometry allows since the last loop that stands."""
+        chain = self.drive.chain(self._poses, self._calibration, np.diag(np.array(self._sigmas) ** 2))
+        match, query = self.loops.match[new], self.loops.query[new]
+        since = match if self._newest is None else np.full(len(new), self._newest)
+        covariance = chain.covariance(since, query)
+        expected = between(self._poses[match], self._poses[query])
+        passed = np.zeros(len(new), bool)
+        for n, k in enumerate(new.tolist()):
+            finding = self._gate.judge(self._candidates[k], Pose2.of(expected[n]), covariance[n])
+            scores = {**self._candidates[k].scores, "odometry": finding.score}
+            self._candidates[k] = replace(self._candidates[k], scores=scores)
+            passed[n] = finding.passed
+            if not finding.passed:
+                self._decide(k, Verdict.REFUSED, finding.reason)
+        return new[passed]
+
+    def _solve(self, which: IntArray, settings: BackendSettings) -> Solution:
+        closures: Closures = self.loops.closures(which)
+        edges = self.drive.edges[: len(self._poses) - 1]
+        return solve(
+            Problem(
+                self._poses,
+                edges,
+                closures,
+                calibration=self._calibration,
+                prior=self._start,
+                prior_sigmas=self._sigmas,
+            ),
+            settings,
+        )
+
+    def _note(self, which: IntArray, believed: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> None:
+        """Write into the ledger what the back end made of some loops."""
+        now = int(self.drive.node_stamps[len(self._poses) - 1])
+        for k, fits in zip(which.tolist(), believed.tolist(), strict=True):
+            standing = self.ledger.verdict(key_of(self._candidates[k]))
+            if fits:
+                self._decide(k, Verdict.ACCEPTED, "it fits the map with all other closures", now)
+            elif standing is Verdict.ACCEPTED:
+                self._decide(k, Verdict.WITHDRAWN, "it no longer fits the map with the other closures", now)
+            elif standing is None:
+                self._decide(k, Verdict.PENDING, "the back end doesn't believe it yet", now)
+        if believed.any():
+            self._newest = int(self.loops.query[which[believed]].max())
+
+    def close(self) -> Solution:
+        """Hear every loop near the map once more and solve for the last time."""
+        told = self.loops.known() & (self.loops.way(self.drive) >= self._s.min_way)
+        gap = self._poses[self.loops.query, :2] - self._poses[self.loops.match, :2]
+        near = np.flatnonzero(told & (np.hypot(gap[:, 0], gap[:, 1]) <= self._s.readmit))
+        solution = self._solve(near, self._s.closing)
+        self._poses, self._calibration = solution.poses, solution.calibration
+        self._note(near, solution.closure_weights > 0)
+        now = int(self.drive.node_stamps[-1])
+        for k in np.setdiff1d(self._active, near).tolist():
+            self._decide(k, Verdict.REFUSED, "it doesn't fit the finished map", now)
+        for candidate in self.ledger.pending:
+            self.ledger.decide(now, candidate, Verdict.REFUSED, "it doesn't fit the finished map")
+        return solution
+
+    def calibration_state(self, solution: Solution) -> CalibrationState:
+        """Return what is believed of the odometer; loops alone never show its distance scale."""
+        priors = (*self._sigmas[:2], self._s.distance_sigma)
+        state = calibration_state(solution.calibration, solution.calibration_covariance, priors)
+        return replace(state, distance_scale=Estimate(1.0, self._s.distance_sigma, False))
+
+
+def _nodes(drive: Drive, poses: FloatArray) -> tuple[NodeData, ...]:
+    stamps = drive.node_stamps.tolist()
+    return tuple(NodeData(k, stamps[k], poses[k], snapshot=False) for k in range(len(stamps)))
+
+
+def _hash(solution: Solution, accepted: list[tuple[int, int, str]]) -> str:
+    text = solution.poses.tobytes() + repr(sorted(accepted)).encode()
+    return hashlib.sha256(text).hexdigest()
