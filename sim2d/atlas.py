@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import cv2
@@ -64,6 +65,9 @@ def paint_ground(ground: Ground, seed: int) -> Canvas:
             for y in np.arange(half, ground.tile, ground.lamps):
                 rectangle(canvas, (x - 0.65, x + 0.65), (y - 0.2, y + 0.2), (0.5, 0.5, 0.5))
                 rectangle(canvas, (x - 0.6, x + 0.6), (y - 0.15, y + 0.15), (1.0, 1.0, 0.95))
+        # drawn clear of the tile's edges, then shifted round: a lamp may hang across them
+        shift = round((ground.first_lamp - half) * TEXELS)
+        canvas = np.roll(canvas, (-shift, shift), axis=(0, 1))
     return canvas
 
 
@@ -88,7 +92,9 @@ class AtlasBuilder:
         self._filled = 0
 
     def surface(self, look: Look, length: float, height: float) -> int:
-        """Return the tile of a surface of length x height [m]."""
+        """Return the tile of a surface of length x height [m]. Raises WorldError for sizes that cannot be."""
+        if not (0 < length < math.inf and 0 < height < math.inf):
+            raise WorldError(f"a surface is {length} m long and {height} m high; lengths and heights are above 0")
         key = (look, round(length, 3), round(height, 3))
         if key not in self._known:
             self._known[key] = self._add(paint_look(look, length, height, self._seed), length, height)

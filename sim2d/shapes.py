@@ -80,12 +80,16 @@ class Gate:
 
 @dataclass(frozen=True, slots=True)
 class Ground:
-    """Floor or ceiling: look, side of its square tile [m], gloss in [0, 1] (the share it mirrors), lamp spacing [m]."""
+    """Floor or ceiling: look, side of its square tile [m], gloss in [0, 1] (the share it mirrors), lamp spacing [m].
+
+    A lamp hangs at (first_lamp, first_lamp) [m]; spacing 0: no lamps.
+    """
 
     look: Look
     tile: float = 6.4
     gloss: float = 0.0
     lamps: float = 0.0
+    first_lamp: float = 1.6
 
 
 @dataclass(frozen=True, slots=True)

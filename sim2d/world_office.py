@@ -6,20 +6,20 @@ import math
 
 from sim2d.shapes import Cylinder, Decal, Ground, Look, Point, Route, Spec, Wall, rectangle
 
-LENGTH, DEPTH, HEIGHT, HALF = 40.0, 25.0, 2.6, 1.0  # [m] centre line, ceiling, half the corridor's width
+LENGTH, DEPTH, HEIGHT, HALF = 42.0, 24.0, 2.6, 1.0  # [m] centre line, ceiling, half the corridor's width
 PITCH = 3.0  # [m] from door to door
 WALLPAPER = (0.78, 0.76, 0.7)
 
 
 def office_loop() -> Spec:
-    """Return two laps of a ring of 130 m and 19 m of the third, so that home is some way off."""
+    """Return two laps of a ring of 130 m and 20 m of the third, so that home is some way off."""
     outer = rectangle(-HALF, -HALF, LENGTH + HALF, DEPTH + HALF)
     inner = rectangle(HALF, HALF, LENGTH - HALF, DEPTH - HALF)
     return Spec(
         name="office-loop",
         route=Route(ring=((3.0, 0.0), (LENGTH, 0.0), (LENGTH, DEPTH), (0.0, DEPTH), (0.0, 0.0)), laps=2.15, radius=0.7),
         floor=Ground(Look((0.36, 0.4, 0.46), "speckle", 3), tile=3.0, gloss=0.1),
-        ceiling=Ground(Look((0.85, 0.85, 0.83), "plain", 4), tile=3.0, lamps=3.0),
+        ceiling=Ground(Look((0.85, 0.85, 0.83), "plain", 4), tile=3.0, lamps=3.0, first_lamp=0.0),
         ceiling_height=HEIGHT,
         walls=(*_ring("outer", outer, 100), *_ring("inner", inner, 200)),
         cylinders=_things(),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -18,6 +18,7 @@ from sim2d.odometer import Odometer
 from sim2d.path import of_route
 from sim2d.records import EPOCH_NS
 from sim2d.robot import SimRobot
+from sim2d.shapes import Box, Cylinder, Look, Wall
 from sim2d.streams import stream
 from sim2d.world import World
 
@@ -181,6 +182,22 @@ def test_drift_varies_by_seed_within_its_spread() -> None:
     assert scales.min() >= 1.04 - 0.008
     assert scales.max() <= 1.04 + 0.008
     assert scales.std() > 0.002
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"boxes": (Box(((0, 0), (0, 1), (1, 1), (1, 0)), 1.0, Look((1, 1, 1))),)}, "counter-clockwise"),
+        ({"cylinders": (Cylinder(1, 1, -0.1, 1.0, Look((1, 1, 1))),)}, "radius above 0"),
+        ({"walls": (Wall(((0, 0),), 1.0, Look((1, 1, 1))),)}, "two points"),
+        ({"walls": (Wall(((0, 0), (1, 0)), float("nan"), Look((1, 1, 1))),)}, "heights are above 0"),
+        ({"walls": (Wall(((0, 0), (1, 0)), 1.0, Look((1, 1, 1), "velvet")),)}, "unknown texture 'velvet'"),
+    ],
+)
+def test_wrong_shapes_are_refused(change: dict[str, tuple[object, ...]], message: str) -> None:
+    spec = replace(worlds.load("room-corridor").spec, **change)  # type: ignore[arg-type]
+    with pytest.raises(WorldError, match=message):
+        World(spec)
 
 
 def test_a_wrong_name_lists_the_right_ones() -> None:
