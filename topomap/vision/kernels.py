@@ -14,7 +14,7 @@ IntArray = NDArray[np.int64]
 Int8Array = NDArray[np.int8]
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]  # numba has no types
+@njit(cache=True)  # numba has no types
 def spectra_products(
     spectra: Complex64Array, conjugate: Complex64Array, columns: int
 ) -> tuple[Complex64Array, Float64Array]:
@@ -38,7 +38,7 @@ def spectra_products(
     return products, powers
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]  # numba has no types
+@njit(cache=True)  # numba has no types
 def scale_planes(
     goal: Float32Array, current: Float32Array, goal_sum: Float32Array, current_sum: Float32Array, floor: float
 ) -> Float32Array:
@@ -72,7 +72,7 @@ def scale_planes(
     return planes
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]  # numba has no types
+@njit(cache=True)  # numba has no types
 def warping_search(
     planes: Float32Array,
     shifts: IntArray,
@@ -106,7 +106,7 @@ def warping_search(
     return cost / np.float32(n)
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]  # numba has no types
+@njit(cache=True)  # numba has no types
 def absolute_differences(current: Float32Array, goal: Float32Array) -> Float64Array:
     """Return the mean absolute difference (C,) of goal (R, C) and current (R, C) rolled by 0, 1, .. C-1
     columns.
@@ -126,7 +126,7 @@ def absolute_differences(current: Float32Array, goal: Float32Array) -> Float64Ar
     return mean
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]  # numba has no types
+@njit(cache=True)  # numba has no types
 def dtw_path(home: Float32Array, current: Float32Array, band: int) -> tuple[Float64Array, float]:
     """Match two sequences (F, L) by dynamic time warping within |i - j| <= band (Sakoe, Chiba 1978).
 
@@ -164,7 +164,7 @@ def dtw_path(home: Float32Array, current: Float32Array, band: int) -> tuple[Floa
     return shift, float(before[band]) / features / steps
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]  # numba has no types
+@njit(cache=True)  # numba has no types
 def _walked_back(step: Int8Array, band: int) -> tuple[Float64Array, int]:
     length = step.shape[0]
     shift, count = np.zeros(length), np.zeros(length)
@@ -184,7 +184,7 @@ def _walked_back(step: Int8Array, band: int) -> tuple[Float64Array, int]:
             i -= 1
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]  # numba has no types
+@njit(cache=True)  # numba has no types
 def block_differences(home: Float32Array, current: Float32Array, reach: int, half: int) -> Float32Array:
     """Return the summed difference (L, 2 reach + 1) of the windows i +- half of two rings (F, L) at shifts
     -reach .. reach of the current one.

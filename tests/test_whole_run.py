@@ -1,0 +1,117 @@
+"""The mission's main job, end to end: drive, map, close the loop, go home, log, replay, report; and stopping early."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from topomap.app.load import load_run
+from topomap.mapping.mapfile import load_map
+
+SUMMARY_KEYS = (
+    "world seed config distance_m steps steps_per_s snapshots closures dead_reckoning_ate_m map_ate_m online_ate_m "
+    "rotation_scale distance_scale curvature home graph_hash versions"
+).split()
+
+
+def topomap(*words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "topomap", *words], cwd=cwd, capture_output=True, text=True, timeout=240, check=False
+    )
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any]]:
+    folder = tmp_path_factory.mktemp("run")
+    done = topomap("run", "room-corridor", "--seed", "7", "--out", "out", cwd=folder)
+    assert done.returncode == 0, done.stderr
+    assert "run.mcap" in done.stdout
+    assert "\x1b" not in done.stdout, "no bar and no colours in a pipe"
+    return folder / "out", json.loads((folder / "out" / "summary.json").read_text())
+
+
+def test_the_map_is_good_and_the_robot_comes_home(finished: tuple[Path, dict[str, Any]]) -> None:
+    _, summary = finished
+    assert list(summary) == SUMMARY_KEYS
+    assert summary["map_ate_m"]["se2"] <= min(0.3, summary["dead_reckoning_ate_m"]["se2"])
+    assert summary["closures"]["accepted"] >= 10
+    assert summary["closures"]["false"] == 0
+    assert summary["closures"]["recall"] >= 0.8
+    assert summary["home"]["claimed"]
+    assert summary["home"]["within_0_3_m"]
+    assert summary["home"]["collisions"] == 0
+    scale = summary["distance_scale"]
+    assert abs(scale["found"] / scale["true"] - 1.0) < 0.015
+
+
+def test_the_report_stands_alone(finished: tuple[Path, dict[str, Any]]) -> None:
+    page = (finished[0] / "report.html").read_text()
+    assert len(page) > 100_000
+    assert "data:image/" in page
+    assert 'src="http' not in page
+
+
+def test_the_log_stays_small_and_the_map_loads(finished: tuple[Path, dict[str, Any]]) -> None:
+    folder, summary = finished
+    assert (folder / "run.mcap").stat().st_size < 60e6
+    topo = load_map(folder / "run.topomap")
+    assert sum(node.snapshot is not None for node in topo.nodes) == summary["snapshots"]
+
+
+def test_a_replay_gives_the_same_map(finished: tuple[Path, dict[str, Any]], tmp_path: Path) -> None:
+    folder, summary = finished
+    done = topomap("replay", str(folder / "run.mcap"), "--out", "again", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    again = json.loads((tmp_path / "again" / "summary.json").read_text())
+    assert again["graph_hash"] == summary["graph_hash"]
+    assert set(again["home"].values()) == {None}, "a replay can't change the drive"
+
+
+def test_a_replay_with_another_setting_gives_another_map(
+    finished: tuple[Path, dict[str, Any]], tmp_path: Path
+) -> None:
+    word = "stack.mapper.snapshots.threshold=0.6"
+    done = topomap("replay", str(finished[0] / "run.mcap"), "--set", word, "--out", "again", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    again = json.loads((tmp_path / "again" / "summary.json").read_text())
+    assert again["graph_hash"] != finished[1]["graph_hash"]
+    assert again["snapshots"] > finished[1]["snapshots"]
+
+
+def test_export_writes_what_other_tools_read(finished: tuple[Path, dict[str, Any]], tmp_path: Path) -> None:
+    done = topomap("export", str(finished[0] / "run.mcap"), "--tum", "--g2o", "--out", str(tmp_path), cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    rows = [row.split() for row in (tmp_path / "map.tum").read_text().splitlines()]
+    assert len(rows) == finished[1]["steps"]
+    assert {len(row) for row in rows} == {8}
+    graph = (tmp_path / "map.g2o").read_text()
+    closures = load_map(finished[0] / "run.topomap").closures
+    topo = load_map(finished[0] / "run.topomap")
+    assert graph.count("VERTEX_SE2") == len(topo.nodes)
+    assert graph.count("EDGE_SE2") == len(topo.nodes) - 1 + len(closures)
+
+
+def test_ctrl_c_stops_the_wheels_closes_the_log_and_writes_the_summary(tmp_path: Path) -> None:
+    words = [sys.executable, "-m", "topomap", "run", "room-corridor", "--out", "cut"]
+    process = subprocess.Popen(words, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    log = tmp_path / "cut" / "run.mcap"
+    deadline = time.monotonic() + 120
+    while not (log.exists() and log.stat().st_size > 500_000) and time.monotonic() < deadline:
+        time.sleep(0.1)
+    os.kill(process.pid, signal.SIGINT)
+    out, errors = process.communicate(timeout=120)
+    assert process.returncode == 130, errors
+    assert b"Traceback" not in errors
+    summary = json.loads((tmp_path / "cut" / "summary.json").read_text())
+    data = load_run(log)
+    assert 10 < summary["steps"] == len(data.stamps_ns) < 800
+    assert summary["graph_hash"] == data.graph_hash != ""
+    assert b"run.mcap" in out
