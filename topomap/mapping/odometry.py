@@ -159,9 +159,7 @@ class EdgeIncrements:
         """Return the edges' increments in one piece."""
         joined = Increments.concatenate(edges)
         starts = np.concatenate([[0], np.cumsum([len(e) for e in edges], dtype=np.int64)]).astype(np.int64)
-        return EdgeIncrements(
-            np.ascontiguousarray(joined.deltas), np.ascontiguousarray(joined.covariances), starts
-        )
+        return EdgeIncrements(np.ascontiguousarray(joined.deltas), np.ascontiguousarray(joined.covariances), starts)
 
     def integrate(self, calibration: Calibration) -> Preintegrated:
         """Integrate every edge with the calibration."""

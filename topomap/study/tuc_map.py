@@ -30,9 +30,7 @@ def map_tuc(
 ) -> RunData:
     """Map a recording and return it as a run at the odometry's stamps; the mapping never sees the truth."""
     chosen = settings or TucSettings()
-    mapping = TucMapping(recording, chosen)
-    mapping.grow()
-    solution = mapping.close()
+    mapping, solution = _map(recording, chosen)
     drive, ledger = mapping.drive, mapping.ledger
     at = np.searchsorted(drive.stamps_ns, recording.stamps_ns)
     _, final = drive.between_nodes(solution.poses, solution.calibration)
@@ -54,6 +52,23 @@ def map_tuc(
         graph_hash=_hash(solution, accepted),
         false_distance_m=2.0,
     )
+
+
+def _map(recording: TucRecording, settings: TucSettings) -> tuple[TucMapping, Solution]:
+    """Map the drive; where few loops are believed, also from other curvatures, and take where most are."""
+    best = _from(recording, settings, settings.start_curvature)
+    if best[0].believed >= settings.min_believed:
+        return best
+    for offset in (-settings.curvature_sigma, settings.curvature_sigma):
+        other = _from(recording, settings, settings.start_curvature + offset)
+        best = max(best, other, key=lambda end: end[0].believed)
+    return best
+
+
+def _from(recording: TucRecording, settings: TucSettings, curvature: float) -> tuple[TucMapping, Solution]:
+    mapping = TucMapping(recording, settings.model_copy(update={"start_curvature": curvature}))
+    mapping.grow()
+    return mapping, mapping.close()
 
 
 class TucMapping:
@@ -179,6 +194,12 @@ class TucMapping:
         for candidate in self.ledger.pending:
             self.ledger.decide(now, candidate, Verdict.REFUSED, "it doesn't fit the finished map")
         return solution
+
+    @property
+    def believed(self) -> float:
+        """The share of the loops with support that stands; 1 if there are none."""
+        supported = int((self.loops.support >= self._s.min_support).sum())
+        return len(self.ledger.accepted) / supported if supported else 1.0
 
     def calibration_state(self, solution: Solution) -> CalibrationState:
         """Return what is believed of the odometer; loops alone never show its distance scale."""

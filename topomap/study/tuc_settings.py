@@ -32,6 +32,9 @@ class TucSettings(BaseModel):
     readmit: float = Field(default=3.0, gt=0, description="the last solve hears all loops this near [m]")
     closing: BackendSettings = Field(default_factory=_closing, description="the last solve")
     start_curvature: float = Field(default=0.0, ge=-0.1, le=0.1, description="curvature at start [rad/m]")
+    min_believed: float = Field(
+        default=0.2, ge=0, le=1, description="share of supported loops below which other curvatures are tried"
+    )
     rotation_sigma: float = Field(default=0.05, gt=0, description="prior sigma of the log rotation scale")
     curvature_sigma: float = Field(default=0.01, gt=0, description="prior sigma of the curvature [rad/m]")
     distance_sigma: float = Field(default=0.1, gt=0, description="prior sigma of the distance scale")

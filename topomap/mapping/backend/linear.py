@@ -45,9 +45,9 @@ class LinearSystem:
         """Return the step of poses (N, 3) and calibration (3,); raises TopomapError if undetermined."""
         try:
             step = self._graph.optimize()
-        except RuntimeError as error:
+            poses = np.array([step.at(key) for key in range(self._poses)])
+        except (RuntimeError, IndexError) as error:
             raise TopomapError(f"the pose graph isn't determined: {_first_line(error)}") from error
-        poses = np.array([step.at(key) for key in range(self._poses)])
         return poses, np.asarray(step.at(self._poses))
 
     def covariance(self) -> FloatArray:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 
 import numpy as np
+from numpy.typing import NDArray
 
 from topomap.geometry import FloatArray
 from topomap.mapping.backend.blocks import closure_chi2
@@ -45,14 +46,18 @@ class Schedule:
 
     def supported(self) -> Weighing | None:
         """Begin with those closures that neighbours agree with, or None if there are no such."""
-        blind = self._closures.covariance[:, 2, 2] > UNKNOWN_HEADING
-        weight = self._closures.weight
-        claims = Claims(self._i, self._j, self._closures.relative, blind, weight)
-        agreed = support(claims, self._chain.poses, self._chain.travelled, self._settings.support)
+        agreed = self.agreement(np.ones(len(self._closures), bool))
         if not bool((agreed > 0).any()):
             return None
         firm = (agreed > 0).astype(float)
         return [lambda _: firm] * SUPPORTED_STEPS + [self._stage(k) for k in range(SUPPORTED_STEPS, len(self))]
+
+    def agreement(self, among: NDArray[np.bool_]) -> FloatArray:
+        """Return the support that some closures (M,) give one another, in their order."""
+        blind = self._closures.covariance[:, 2, 2] > UNKNOWN_HEADING
+        some = self._closures[among]
+        claims = Claims(self._i[among], self._j[among], some.relative, blind[among], some.weight)
+        return support(claims, self._chain.poses, self._chain.travelled, self._settings.support)
 
     def _stage(self, stage: int) -> Callable[[FloatArray], FloatArray]:
         return self._cut(self._allowance * self._settings.shrink ** (-2 * stage), self._settings.cutoff)

@@ -14,9 +14,10 @@ from topomap.mapping.backend.state import Graph, Linearised, State
 def solve(problem: Problem, settings: BackendSettings | None = None) -> Solution:
     """Solve poses and calibration jointly by graduated non-convexity (Yang et al. 2020) over the closures.
 
-    The closures' weights are annealed with Geman-McClure and end truncated (in or out). A result whose
-    truncated error isn't below the start's is refused: the solution then holds the start. Raises TopomapError
-    for an undetermined graph.
+    The closures' weights are annealed with Geman-McClure and end truncated (in or out). A result whose truncated
+    error isn't below the start's is refused: the solution then holds the start. So is one in which most closures are
+    out and those that are in don't support one another: a single one that fits among many that don't fits by chance.
+    Raises TopomapError for an undetermined graph.
     """
     chosen = settings or BackendSettings()
     graph = Graph(problem, chosen.turn_cutoff)
@@ -25,7 +26,7 @@ def solve(problem: Problem, settings: BackendSettings | None = None) -> Solution
     before = graph.truncated_error(at_start, chosen.cutoff)
     state, at, iterations = _best(graph, start, at_start, chosen)
     after = graph.truncated_error(at, chosen.cutoff)
-    improved = bool(np.isfinite(after) and after < before - 1e-9)
+    improved = bool(np.isfinite(after) and after < before - 1e-9) and _credible(graph, at, chosen)
     if not improved:
         state, at = start, at_start
     weights = inliers(graph, at, chosen.cutoff)
@@ -36,6 +37,13 @@ def solve(problem: Problem, settings: BackendSettings | None = None) -> Solution
 def inliers(graph: Graph, at: Linearised, cutoff: float) -> FloatArray:
     """Return (M,) 1 for the closures within the cutoff [sigmas], 0 for the others."""
     return (_chi2(graph, at) <= cutoff**2).astype(float)
+
+
+def _credible(graph: Graph, at: Linearised, settings: BackendSettings) -> bool:
+    believed = inliers(graph, at, settings.cutoff)
+    if len(believed) == 0 or believed.mean() >= 0.5:
+        return True
+    return bool((Schedule(graph, settings).agreement(believed > 0) > 0).any())
 
 
 def _chi2(graph: Graph, at: Linearised) -> FloatArray:

@@ -1,0 +1,41 @@
+"""What all tests share: the folder of recorded data, and a count of the tests that needed it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+outcomes = {"ran": 0, "skipped": 0}
+
+
+@pytest.fixture(scope="session")
+def data_dir() -> Path:
+    """The folder that TOPOMAP_DATA names (default ../shared/data beside the repository); skips without it."""
+    named = os.environ.get("TOPOMAP_DATA")
+    folder = Path(named) if named else ROOT.parent / "shared" / "data"
+    if not folder.is_dir():
+        pytest.skip(f"no recorded data at {folder}: set TOPOMAP_DATA to its folder")
+    return folder
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) -> Iterator[None]:
+    """Count the tests marked `data` by whether they ran."""
+    report = yield
+    if item.get_closest_marker("data") is None:
+        return report
+    if report.skipped:
+        outcomes["skipped"] += 1
+    elif report.when == "call":
+        outcomes["ran"] += 1
+    return report
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Say how many tests on recorded data ran."""
+    ran, skipped = outcomes["ran"], outcomes["skipped"]
+    terminalreporter.write_line(f"tests on recorded data (TOPOMAP_DATA): {ran} ran, {skipped} skipped")

@@ -1,0 +1,126 @@
+"""The TUC format and the corridor."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from topomap.errors import DataError
+from topomap.study.datasets.tuc import read_tuc
+from topomap.study.tuc_drive import Drive
+from topomap.study.tuc_map import map_tuc
+from topomap.types import Verdict
+
+HEAD = "odom2 0 0.4 0 0 0.0025 0.0025 0.0001\nodom2 1 0.4 0 0.1 0.0025 0.0025 0.0001\n"
+
+
+def write(folder: Path, text: str, truth: str | None = None) -> Path:
+    (folder / "Small_Input.txt").write_text(text)
+    if truth is not None:
+        (folder / "Small_GT.txt").write_text(truth)
+    return folder
+
+
+def laps(rounds: int = 3, noise: float = 0.0) -> tuple[str, str]:
+    """A drive round a 20 m square at 0.5 m/s with a loop candidate for every true meeting."""
+    lap = 160
+    k = np.arange(rounds * lap)
+    turn = np.where(k % 40 == 0, np.pi / 2 / 1.0, 0.0) + 0.002
+    heading = np.cumsum(turn - 0.002)
+    x, y = np.cumsum(np.cos(heading)) * 0.5, np.cumsum(np.sin(heading)) * 0.5
+    rows = [f"odom2 {n} 0.5 0 {t:.6f} 0.0025 0.0025 0.0001" for n, t in zip(k, turn, strict=True)]
+    rows += [f"loop {n} {n - lap} 0.8" for n in range(lap, rounds * lap, 2)]
+    rows += [f"loop {n} {(n * 37) % (n - 60)} 0.6" for n in range(100, rounds * lap, 4)]
+    truth = [f"point2 {n} {x[n - 1] if n else 0:.4f} {y[n - 1] if n else 0:.4f} 0 0 0 0" for n in k]
+    return "\n".join(rows) + "\n", "\n".join(truth) + "\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (HEAD + "odom2 2 0.4 0\n", "Small_Input.txt:3: 'odom2' needs 7 numbers"),
+        (HEAD + "odom2 2 0.4 x 0 1 1 1\n", "Small_Input.txt:3: velocity y: 'x' is no number"),
+        (HEAD + "odom2 2 nan 0 0 1 1 1\n", "Small_Input.txt:3: velocity x: 'nan' isn't finite"),
+        (HEAD + "odom3 2 1 0 0 1 1 1\n", "Small_Input.txt:3: row 'odom3' is none of"),
+        (HEAD + "odom2 0.5 1 0 0 1 1 1\n", "row 3 of 'odom2': time: 0.5 s runs backwards"),
+        (HEAD + "odom2 2 1 0 0 1 -1 1\n", "row 3 of 'odom2': a variance is negative"),
+        ("loop 1 0 1\n", "at least two rows 'odom2'"),
+    ],
+)
+def test_bad_files_name_line_and_field(tmp_path: Path, text: str, message: str) -> None:
+    with pytest.raises(DataError, match=message):
+        read_tuc(write(tmp_path, text))
+
+
+def test_missing_folder(tmp_path: Path) -> None:
+    with pytest.raises(DataError, match="no such folder"):
+        read_tuc(tmp_path / "nowhere")
+    with pytest.raises(DataError, match=r"0 files"):
+        read_tuc(tmp_path)
+
+
+def test_truth_by_row_name_and_clock_restart(tmp_path: Path) -> None:
+    truth = "point2 0 1 2 0 0 0 0\npoint2 1 2 2 0 0 0 0\nangle 0 3.1 0\nangle 1 -3.1 0\n"
+    recording = read_tuc(write(tmp_path, HEAD, truth))
+    assert recording.truth is not None
+    at = recording.truth.at(np.array([500_000_000]))[0]
+    assert np.allclose(at[:2], [1.5, 2.0])
+    assert abs(abs(at[2]) - np.pi) < 1e-6
+
+
+def test_increments_end_at_named_stamps_too(tmp_path: Path) -> None:
+    recording = read_tuc(write(tmp_path, HEAD + "odom2 2 0 0 0 0 0 0\nloop 1.25 0.5 1\n"))
+    drive = Drive.of(recording)
+    assert drive.node_stamps.tolist() == [0, 500_000_000, 1_250_000_000, 2_000_000_000]
+    assert drive.way[-1] == pytest.approx(0.8)
+
+
+def test_small_loop_is_closed_without_truth(tmp_path: Path) -> None:
+    text, truth = laps()
+    run = map_tuc(read_tuc(write(tmp_path, text + "loop 99999 3 0.5\n")))
+    assert run.truth is None
+    assert run.calibration is not None
+    assert abs(run.calibration.curvature.value - 0.004) < 0.001
+    xy = np.array([row.split()[2:4] for row in truth.splitlines()], float)
+    assert np.abs(run.final[:, :2] - xy).max() < np.abs(run.dead_reckoning[:, :2] - xy).max() / 4
+    verdicts = {(d.candidate.query_ns, d.candidate.match_ns): d for d in run.decisions}
+    assert verdicts[99999 * 10**9, 3 * 10**9].reason == "a stamp lies outside the recording"
+    assert all(d.verdict is not Verdict.PENDING for d in verdicts.values())
+
+
+def test_no_candidates_leave_odometry(tmp_path: Path) -> None:
+    run = map_tuc(read_tuc(write(tmp_path, HEAD + "odom2 2 0.4 0 0 1 1 1\n")))
+    assert np.allclose(run.final, run.dead_reckoning)
+
+
+@pytest.mark.data
+def test_corridor(data_dir: Path) -> None:
+    """The mapping doesn't see the truth; it is only used here, to judge."""
+    folder = data_dir / "tuc-corridor"
+    if not folder.is_dir():
+        pytest.skip(f"no TUC corridor at {folder}")
+    recording = read_tuc(folder)
+    run = map_tuc(recording)
+    assert run.truth is not None
+    assert recording.truth is not None
+    error = run.final[:, :2] - run.truth[:, :2]
+    assert _aligned(run.final, run.truth) < 2.2
+    assert _aligned(run.dead_reckoning, run.truth) > 50
+    assert len(error) == len(recording.stamps_ns)
+    last = {(d.candidate.query_ns, d.candidate.match_ns): d for d in run.decisions}
+    assert len(last) == len({*zip(recording.query_ns.tolist(), recording.match_ns.tolist(), strict=True)})
+    kept = np.array([k for k, d in last.items() if d.verdict is Verdict.ACCEPTED])
+    ends = [recording.truth.at(kept[:, n])[:, :2] for n in (0, 1)]
+    gap = np.hypot(*(ends[0] - ends[1]).T)
+    assert len(kept) > 1500
+    assert (gap > 5).sum() == 0
+    assert (gap > 2).sum() <= 10
+
+
+def _aligned(poses: np.ndarray, truth: np.ndarray) -> float:
+    a, b = poses[:, :2] - poses[:, :2].mean(axis=0), truth[:, :2] - truth[:, :2].mean(axis=0)
+    u, _, v = np.linalg.svd(a.T @ b)
+    rotation = u @ np.diag([1, np.sign(np.linalg.det(u @ v))]) @ v
+    return float(np.sqrt(((a @ rotation - b) ** 2).sum(axis=1).mean()))
