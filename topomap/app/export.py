@@ -22,12 +22,18 @@ def export_run(log: Path, out: Path, tum: bool, g2o: bool) -> list[Path]:
 
     The g2o graph is made of the finished map, which lies beside the log.
     """
-    texts: dict[str, str] = {}
-    if tum:
-        run = load_run(log)
-        texts |= {f"{name}.tum": tum_text(run.stamps_ns, poses) for name, poses in trajectories(run).items()}
+    written = write_tum(load_run(log), out) if tum else []
     if g2o:
-        texts["map.g2o"] = g2o_text(load_map(log.with_suffix(".topomap")))
+        written += _write(out, {"map.g2o": g2o_text(load_map(log.with_suffix(".topomap")))})
+    return written
+
+
+def write_tum(run: RunData, out: Path) -> list[Path]:
+    """Write the run's trajectories into a folder as TUM files; return them. Raises DataError."""
+    return _write(out, {f"{name}.tum": tum_text(run.stamps_ns, poses) for name, poses in trajectories(run).items()})
+
+
+def _write(out: Path, texts: dict[str, str]) -> list[Path]:
     try:
         for name, text in texts.items():
             write_whole(out / name, text)

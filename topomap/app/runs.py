@@ -43,11 +43,12 @@ class RecordedRobot(Robot, TruthSource, Protocol):
 
 @dataclass(frozen=True)
 class RunResult:
-    """A finished run: its folder, its summary, and whether it was interrupted."""
+    """A finished run: its folder, its summary, whether it was interrupted, and the files it wrote for people."""
 
     folder: RunFolder
     summary: dict[str, Any]
     interrupted: bool
+    files: tuple[Path, ...]
 
 
 def open_world(name: str, seed: int, config: RunConfig) -> SimRobot:
@@ -87,7 +88,8 @@ def conclude(data: RunData, folder: RunFolder, interrupted: bool = False) -> Run
         write_report(data, folder.report, summary)
     except OSError as error:
         raise DataError(f"{folder.path}: can't be written ({error.strerror})") from error
-    return RunResult(folder, summary, interrupted)
+    files = (folder.log, folder.map, folder.summary, folder.report)
+    return RunResult(folder, summary, interrupted, tuple(path for path in files if path.exists()))
 
 
 class _Watch:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from pathlib import Path
 
 import typer
 
-from topomap.cli.console import progress
+from topomap.cli.console import console
 from topomap.cli.run_commands import show
 
 mapping = typer.Typer(help="Map a recording of a real robot.", no_args_is_help=True, rich_markup_mode=None)
@@ -30,6 +31,6 @@ def tuc(
     """Map a recording in the TUC format: odometry and loop candidates; write trajectory, summary and report."""
     from topomap.app import recordings
 
-    with progress("tuc", None) as advance:
-        result = recordings.map_tuc(path, out or Path("runs") / path.resolve().name, advance)
+    with console.status("mapping") if console.is_terminal else nullcontext():
+        result = recordings.map_tuc(path, out or Path("runs") / path.resolve().name)
     show(result)

@@ -96,8 +96,7 @@ def show(result: RunResult) -> None:
     from topomap.study.summary import table_rows
 
     table(table_rows(result.summary), str(result.summary["world"]))
-    for path in (result.folder.log, result.folder.map, result.folder.summary, result.folder.report):
-        if path.exists():
-            console.print(str(path), soft_wrap=True)
+    for path in result.files:
+        console.print(str(path), soft_wrap=True)
     if result.interrupted:
         raise typer.Exit(130)

@@ -54,5 +54,5 @@ class Pilot:
         clear = self._settings.body_radius + self._settings.margin
         hit = (aside < clear) & (along > 0)
         touch = along - np.sqrt(np.maximum(clear**2 - aside**2, 0.0))
-        reach = np.where(hit, np.maximum(touch, 0.0), np.inf).min(axis=1)
-        return reach
+        nearest: FloatArray = np.where(hit, np.maximum(touch, 0.0), np.inf).min(axis=1)
+        return nearest
