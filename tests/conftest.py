@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -22,17 +21,14 @@ def data_dir() -> Path:
     return folder
 
 
-@pytest.hookimpl(wrapper=True)
-def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) -> Iterator[None]:
-    """Count the tests marked `data` by whether they ran."""
-    report = yield
-    if item.get_closest_marker("data") is None:
-        return report
+def pytest_runtest_logreport(report: pytest.TestReport) -> None:
+    """Count the tests marked `data` by whether they ran (reports reach the controller of -n too)."""
+    if "data" not in report.keywords:
+        return
     if report.skipped:
         outcomes["skipped"] += 1
     elif report.when == "call":
         outcomes["ran"] += 1
-    return report
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

@@ -16,10 +16,11 @@ import pytest
 from topomap.app.load import load_run
 from topomap.mapping.mapfile import load_map
 
-SUMMARY_KEYS = (
-    "world seed config distance_m steps steps_per_s snapshots closures dead_reckoning_ate_m map_ate_m online_ate_m "
-    "rotation_scale distance_scale curvature home graph_hash versions"
-).split()
+SUMMARY_KEYS = [
+    *("world", "seed", "config", "distance_m", "steps", "steps_per_s", "snapshots", "closures"),
+    *("dead_reckoning_ate_m", "map_ate_m", "online_ate_m", "rotation_scale", "distance_scale", "curvature"),
+    *("home", "graph_hash", "versions"),
+]
 
 
 def topomap(*words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
@@ -75,9 +76,7 @@ def test_a_replay_gives_the_same_map(finished: tuple[Path, dict[str, Any]], tmp_
     assert set(again["home"].values()) == {None}, "a replay can't change the drive"
 
 
-def test_a_replay_with_another_setting_gives_another_map(
-    finished: tuple[Path, dict[str, Any]], tmp_path: Path
-) -> None:
+def test_a_replay_with_another_setting_gives_another_map(finished: tuple[Path, dict[str, Any]], tmp_path: Path) -> None:
     word = "stack.mapper.snapshots.threshold=0.6"
     done = topomap("replay", str(finished[0] / "run.mcap"), "--set", word, "--out", "again", cwd=tmp_path)
     assert done.returncode == 0, done.stderr

@@ -224,7 +224,7 @@ class StepRecord:
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """A world's plan for pictures, in the truth's frame: polylines [(N, 2) m], circles [(x, y, r) m], labels [(x, y, text)]."""
+    """A world's plan in the truth's frame [m]: polylines (N, 2), circles (x, y, r), labels (x, y, text)."""
 
     polylines: tuple[FloatArray, ...] = ()
     circles: tuple[tuple[float, float, float], ...] = ()

@@ -83,7 +83,7 @@ class TopoMap:
         return float(np.hypot(*(self.poses[a, :2] - self.poses[b, :2])))
 
     def add(self, node: Node, increments: Increments | None) -> int:
-        """Append a node at the end of the chain, `increments` after the last one (None for the first); return its id."""
+        """Append a node to the chain, `increments` after the last one (None for the first); return its id."""
         if increments is None:
             return self._store(node, np.zeros(3), len(self.chain))
         last = self.chain[-1]

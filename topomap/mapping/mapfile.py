@@ -7,6 +7,7 @@ import json
 import os
 import zipfile
 from dataclasses import asdict
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -118,7 +119,7 @@ def _restore(topo: TopoMap, nodes: list[Node], arrays: dict[str, Any]) -> None:
     ends = [0, *arrays["edge_ends"].tolist()]
     edges = [
         Increments(arrays["increment_stamps_ns"][a:b], arrays["deltas"][a:b], arrays["covariances"][a:b])
-        for a, b in zip(ends, ends[1:], strict=False)
+        for a, b in pairwise(ends)
     ]
     topo.restore(nodes, arrays["poses"], chain, edges, _closures(arrays))
 

@@ -71,9 +71,7 @@ class Mapper:
 
     def graph_hash(self) -> str:
         """Return the hash over nodes, edges, verdicts and poses."""
-        verdicts = [
-            (d.candidate.query_ns, d.candidate.match, d.verdict.value, d.reason) for d in self.ledger.decisions
-        ]
+        verdicts = [(d.candidate.query_ns, d.candidate.match, d.verdict.value, d.reason) for d in self.ledger.decisions]
         return self.map.hash(verdicts)
 
     def _difference(self, panorama: Panorama) -> float:

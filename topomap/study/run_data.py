@@ -46,7 +46,8 @@ class RunData:
     (N,): to the best older node, NaN where there was none; homing_difference (N,): to the milestone;
     threshold: for a new snapshot; decisions: every verdict in time order (a candidate may get several);
     first_closure: panoramas (as recorded) some steps before and at the first accepted closure, and of its match;
-    milestones: the node ids of the planned route home; claimed: the robot said it arrived; goal_node: where it was sent.
+    milestones: the node ids of the planned route home; claimed: the robot said that it arrived; goal_node: where it was
+    sent.
     """
 
     world: str

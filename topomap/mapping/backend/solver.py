@@ -57,22 +57,35 @@ def _best(graph: Graph, start: State, at: Linearised, settings: BackendSettings)
         return _settle(graph, start, at, settings, 0)
     schedule = Schedule(graph, settings)
     if settings.cutoffs:
-        narrowed = _anneal(graph, start, at, schedule.narrowing())
-        return _settle(graph, *narrowed, settings, len(settings.cutoffs))
-    first = _settle(graph, *_anneal(graph, start, at, schedule.allowed()), settings, len(schedule))
+        return _end(graph, start, at, schedule.narrowing(), settings)
+    first = _end(graph, start, at, schedule.allowed(), settings)
     supported = schedule.supported()
     if supported is None or bool(inliers(graph, first[1], settings.cutoff).all()):
         return first
-    second = _settle(graph, *_anneal(graph, start, at, supported), settings, first[2] + len(schedule))
+    second = _end(graph, start, at, supported, settings)
     errors = [graph.truncated_error(end[1], settings.cutoff) for end in (first, second)]
     state, there, _ = second if errors[1] < errors[0] else first
-    return state, there, second[2]
+    return state, there, first[2] + second[2]
 
 
-def _anneal(graph: Graph, state: State, at: Linearised, schedule: Weighing) -> tuple[State, Linearised]:
+def _end(
+    graph: Graph, start: State, at: Linearised, schedule: Weighing, settings: BackendSettings
+) -> tuple[State, Linearised, int]:
+    state, there, steps = _anneal(graph, start, at, schedule, settings.cutoff)
+    return _settle(graph, state, there, settings, steps)
+
+
+def _anneal(
+    graph: Graph, state: State, at: Linearised, schedule: Weighing, cutoff: float
+) -> tuple[State, Linearised, int]:
+    """Follow the schedule until every closure fits or it ends; return the number of steps, too."""
+    steps = 0
     for weigh in schedule:
+        if bool(inliers(graph, at, cutoff).all()):
+            break
         state, at, _ = graph.step(state, at, weigh(state.poses))
-    return state, at
+        steps += 1
+    return state, at, steps
 
 
 def _settle(
