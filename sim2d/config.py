@@ -61,6 +61,7 @@ class BodyConfig(Section):
 class DriverConfig(Section):
     """The driver who teaches the route."""
 
+    route: str = Field("", description="name of the world's route to drive instead of its default one")
     laps: float | None = Field(None, gt=0, description="laps to drive instead of the world's own number")
     lateral_offset: float = Field(0.0, description="offset to the left from lap two on [m]")
     lookahead: float = Field(0.4, gt=0, description="distance to the point that is steered at [m]")

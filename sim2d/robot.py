@@ -37,7 +37,9 @@ class SimRobot:
         self.world = world
         self._config = config
         self._driver = Driver(
-            of_route(world.spec.route, config.driver.laps, config.driver.lateral_offset), config.driver, config.body
+            of_route(world.spec.route_named(config.driver.route), config.driver.laps, config.driver.lateral_offset),
+            config.driver,
+            config.body,
         )
         path = self._driver.path
         self._body = Body(world, config.body, *path.at(0.0), path.heading(0.0))
