@@ -32,12 +32,17 @@ class Decal:
 
 @dataclass(frozen=True, slots=True)
 class Look:
-    """How a surface looks: base colour (r, g, b) in [0, 1], painter's name (`sim2d.paint`), seed, decals."""
+    """How a surface looks: base colour (r, g, b) in [0, 1], painter's name (`sim2d.paint`), seed, decals.
+
+    repeat: the picture is painted for so many metres and then repeats, 0: for the whole surface. Surfaces with the same
+    look, repeat and height share their texels, however long they are.
+    """
 
     colour: Colour
     texture: str = "plaster"
     seed: int = 0
     decals: tuple[Decal, ...] = ()
+    repeat: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

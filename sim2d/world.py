@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from sim2d import scene as scenes
 from sim2d.atlas import Atlas, AtlasBuilder
 from sim2d.errors import WorldError
-from sim2d.shapes import Box, Cylinder, Gate, Point, Spec, Wall
+from sim2d.shapes import Box, Cylinder, Gate, Look, Point, Spec, Wall
 
 STATIC = 0b1
 ROBOT = 0b10
@@ -48,7 +48,8 @@ class World:
         self.space.collision_slop = 1e-4
         self.space.collision_bias = 1e-60  # of an overlap this is left after a second: walls are hard
         self._skins: dict[pymunk.Shape, Skin] = {}
-        self._gates: list[tuple[Gate, pymunk.Shape]] = []
+        self._gates: list[tuple[Gate, pymunk.Shape, Skin]] = []
+        self._due = [False] * len(spec.gates)
         self._solids = 0
         self._scene: tuple[int, scenes.Scene] | None = None
         builder = AtlasBuilder(seed)
@@ -70,15 +71,32 @@ class World:
             self._scene = (self.version, scenes.build(_surfaces(self._skins)))
         return self._scene[1]
 
-    def open_gates(self, laps: float) -> bool:
-        """Open every gate that is due after `laps` laps; return whether one opened."""
-        due = [pair for pair in self._gates if pair[0].opens_at <= laps]
-        for pair in due:
-            self._gates.remove(pair)
-            self.space.remove(pair[1])
-            del self._skins[pair[1]]
-            self.version += 1
-        return bool(due)
+    def open_gates(self, laps: float, seconds: float = 0.0, metres: float = 0.0) -> bool:
+        """Open and close every door that has become due since the last call; return whether one moved."""
+        moved = False
+        for k, (gate, *_) in enumerate(self._gates):
+            wanted = gate.is_open(laps, seconds, metres)
+            if wanted != self._due[k]:
+                self._due[k] = wanted
+                moved |= self._set(k, wanted)
+        return moved
+
+    def set_gate(self, name: str, is_open: bool) -> bool:
+        """Open or close the doors of a name, whatever they wait for; return whether one moved."""
+        return sum(self._set(k, is_open) for k, (gate, *_) in enumerate(self._gates) if gate.name == name) > 0
+
+    def _set(self, k: int, is_open: bool) -> bool:
+        _, shape, skin = self._gates[k]
+        if is_open != (shape in self._skins):
+            return False
+        if is_open:
+            self.space.remove(shape)
+            del self._skins[shape]
+        else:
+            self.space.add(shape)
+            self._skins[shape] = skin
+        self.version += 1
+        return True
 
     def plan(self) -> Plan:
         """Return the plan, with gates closed."""
@@ -93,7 +111,7 @@ class World:
         if len(wall.points) < 2:
             raise WorldError(f"wall {wall.name!r} of {self.name} needs at least two points")
         total = sum(math.dist(a, b) for a, b in zip(wall.points, wall.points[1:], strict=False))
-        along, tile = 0.0, builder.surface(wall.look, total, wall.height)
+        along, tile = 0.0, _tile(builder, wall.look, total, wall.height)
         for a, b in zip(wall.points, wall.points[1:], strict=False):
             self._add(pymunk.Segment(self.space.static_body, a, b, 0.0), wall.height, tile, along)
             along += math.dist(a, b)
@@ -102,7 +120,7 @@ class World:
         points = list(box.points)
         if not _is_convex(points):
             raise WorldError(f"box {box.name!r} of {self.name} must be convex and counter-clockwise")
-        tile = builder.surface(box.look, _perimeter(points), box.height)
+        tile = _tile(builder, box.look, _perimeter(points), box.height)
         shape = pymunk.Poly(self.space.static_body, points)
         # pymunk may begin with another corner: the surface coordinate starts where it begins
         self._add(shape, box.height, tile, _offset(points, shape.get_vertices()[0]))
@@ -110,22 +128,27 @@ class World:
     def _add_cylinder(self, cylinder: Cylinder, builder: AtlasBuilder) -> None:
         if not cylinder.radius > 0:
             raise WorldError(f"cylinder {cylinder.name!r} of {self.name} needs a radius above 0")
-        tile = builder.surface(cylinder.look, math.tau * cylinder.radius, cylinder.height)
+        tile = _tile(builder, cylinder.look, math.tau * cylinder.radius, cylinder.height)
         offset = (cylinder.x, cylinder.y)
         self._add(pymunk.Circle(self.space.static_body, cylinder.radius, offset), cylinder.height, tile, 0.0)
 
     def _add_gate(self, gate: Gate, builder: AtlasBuilder) -> None:
-        tile = builder.surface(gate.look, math.dist(gate.a, gate.b), gate.height)
+        tile = _tile(builder, gate.look, math.dist(gate.a, gate.b), gate.height)
         shape = pymunk.Segment(self.space.static_body, gate.a, gate.b, 0.0)
-        self._add(shape, gate.height, tile, 0.0)
-        self._gates.append((gate, shape))
+        self._gates.append((gate, shape, self._add(shape, gate.height, tile, 0.0)))
 
-    def _add(self, shape: pymunk.Shape, top: float, tile: int, along: float) -> None:
+    def _add(self, shape: pymunk.Shape, top: float, tile: int, along: float) -> Skin:
         shape.friction = 0.0
         shape.filter = pymunk.ShapeFilter(categories=STATIC)
         self.space.add(shape)
-        self._skins[shape] = Skin(self._solids, top, tile, along)
+        skin = self._skins[shape] = Skin(self._solids, top, tile, along)
         self._solids += 1
+        return skin
+
+
+def _tile(builder: AtlasBuilder, look: Look, length: float, height: float) -> int:
+    """Return the tile of a surface: painted for its whole length, or for what repeats."""
+    return builder.surface(look, look.repeat or length, height)
 
 
 def _perimeter(points: list[Point]) -> float:
