@@ -1,0 +1,137 @@
+"""Simulated worlds as arenas for benches: views at any pose, and the grid of free positions."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+import sim2d
+from sim2d import worlds
+from sim2d.camera import Camera
+from sim2d.config import CameraConfig, LaserConfig
+from sim2d.errors import WorldError
+from sim2d.laser import Laser
+from sim2d.world import World
+from topomap.errors import DataError
+from topomap.geometry import FloatArray
+from topomap.study.homing_arena import Arena, Point, Recipe, central
+from topomap.study.homing_pool import digest_files
+from topomap.types import Image, Plan
+from topomap.vision.panorama import Panorama
+
+NOISE_TABLE = 1 << 20
+CLEARANCE = 0.25
+"""Grid positions keep this distance [m] from everything: the robot's radius and a little more."""
+SPACINGS = (0.2, 0.3, 0.4, 0.5, 0.75, 1.0)
+MOST_POSITIONS = 700
+
+
+class WorldViews:
+    """A simulated world as a ViewSource: the same pose gives the same view, whatever was asked before.
+
+    noise: whether image and ranges carry the sensors' noise, drawn from seed and pose.
+    """
+
+    def __init__(self, world: World, seed: int, noise: bool = True, camera: CameraConfig | None = None) -> None:
+        self.world = world
+        self._seed = seed
+        self._noise = noise
+        self._config = camera or CameraConfig()
+        self._camera = Camera(self._config.model_copy(update={"noise": 0.0}), np.random.default_rng(0))
+        self._laser_config = LaserConfig(rays=self._config.width)
+        self._laser = Laser(self._laser_config, np.random.default_rng(0))
+        table = np.random.default_rng(np.random.SeedSequence([seed, 1])).normal(0.0, self._config.noise, NOISE_TABLE)
+        self._table = np.rint(table).astype(np.int16)
+
+    def view(self, x: float, y: float, heading: float) -> Panorama:
+        """Return the panorama with ranges at a pose [m, rad]."""
+        image = self._camera.view(self.world, x, y, heading)
+        ranges = self._laser.exact(self.world, x, y, heading)
+        if self._noise:
+            rng = np.random.default_rng([self._seed, *np.array([x, y, heading]).view(np.uint32).tolist()])
+            image, ranges = self._grainy(image, rng), self._measured(ranges, rng)
+        return Panorama.from_recorded(image, self._camera.rig, ranges.astype(np.float32))
+
+    def nearest_thing(self, point: Point) -> float:
+        """Return the distance to the nearest surface [m]."""
+        return float(np.nanmin(self._laser.exact(self.world, *point, 0.0), initial=math.inf))
+
+    def sees(self, a: Point, b: Point) -> bool:
+        """Return whether nothing stands between two points."""
+        free = self._laser.exact(self.world, *a, math.atan2(b[1] - a[1], b[0] - a[0]))[0]
+        return not free < math.dist(a, b)
+
+    def _grainy(self, image: Image, rng: np.random.Generator) -> Image:
+        grain = np.resize(np.roll(self._table, -int(rng.integers(NOISE_TABLE))), image.shape)
+        return np.clip(image + grain, 0, 255).astype(np.uint8)
+
+    def _measured(self, ranges: FloatArray, rng: np.random.Generator) -> FloatArray:
+        noisy = ranges + rng.normal(0.0, self._laser_config.noise, len(ranges))
+        noisy[rng.random(len(ranges)) < self._laser_config.dropout] = np.nan
+        return np.maximum(noisy, 0.0)
+
+
+def world_recipe(name: str, seed: int, options: tuple[str, ...] = ()) -> Recipe:
+    """Return the recipe of a named world's arena; options: `noise=off`. Raises DataError for an unknown world."""
+    if name not in worlds.names():
+        raise DataError(f"unknown environment {name!r}; there are {', '.join(worlds.names())}")
+    return Recipe(name, seed, world_arena, options, _code())
+
+
+def world_arena(name: str, seed: int, options: tuple[str, ...]) -> Arena:
+    """Return the arena of a named world. Raises DataError."""
+    try:
+        world = worlds.load(name, seed)
+    except WorldError as error:
+        raise DataError(str(error)) from error
+    views = WorldViews(world, seed, noise="noise=off" not in options)
+    positions, spacing = free_grid(views)
+    plan = world.plan()
+    return Arena(
+        name, views, positions, spacing, True, central(positions), Plan(plan.polylines, plan.circles, plan.labels)
+    )
+
+
+def free_grid(views: WorldViews) -> tuple[FloatArray, float]:
+    """Return the positions (N, 2) [m] that can be reached from the world's goal over a grid, and its spacing [m].
+
+    The narrowest usual spacing that needs at most `MOST_POSITIONS`.
+    """
+    spec = views.world.spec
+    anchor = spec.goal or spec.route.ring[0]
+    for spacing in SPACINGS:
+        found = _flood(views, anchor, spacing)
+        if len(found) <= MOST_POSITIONS:
+            break
+    return found, spacing
+
+
+def _flood(views: WorldViews, anchor: Point, spacing: float) -> FloatArray:
+    start = (0, 0)
+    seen, free, waiting = {start}, [], deque([start])
+    while waiting and len(free) <= MOST_POSITIONS:
+        cell = waiting.popleft()
+        here = _point(anchor, cell, spacing)
+        if views.nearest_thing(here) < CLEARANCE and cell != start:
+            continue
+        free.append(cell)
+        for step in ((1, 0), (0, 1), (-1, 0), (0, -1)):
+            beside = (cell[0] + step[0], cell[1] + step[1])
+            if beside not in seen and views.sees(here, _point(anchor, beside, spacing)):
+                seen.add(beside)
+                waiting.append(beside)
+    cells = sorted(free, key=lambda cell: (cell[1], cell[0]))
+    return np.array([_point(anchor, cell, spacing) for cell in cells])
+
+
+def _point(anchor: Point, cell: tuple[int, int], spacing: float) -> Point:
+    return round(anchor[0] + cell[0] * spacing, 6), round(anchor[1] + cell[1] * spacing, 6)
+
+
+@cache
+def _code() -> str:
+    return digest_files(Path(sim2d.__file__).parent, ("*.py",)) + digest_files(Path(__file__).parent, ("views.py",))
