@@ -7,8 +7,9 @@ import math
 import numpy as np
 
 from sim2d.config import BodyConfig, DriverConfig
-from sim2d.path import Path
+from sim2d.path import SPACING, Path
 
+TURNED = 0.06  # [m] so near a point where the path turns back, the robot is there
 WINDOW = 0.6  # [m] how far ahead on the path the robot may have got in one step
 STEPS_TO_BRAKE = 2.0
 
@@ -43,23 +44,30 @@ class Driver:
             return 0.0, math.copysign(self._body.max_turn, bearing)
         # the circle through the robot that touches its heading and meets the target
         curvature = 2 * math.sin(bearing) / max(math.hypot(tx - x, ty - y), 0.05)
-        left = self.path.length - self.progress
+        left = self._leg_end() - self.progress
         speed = min(self._body.max_speed, max(0.05, left / (STEPS_TO_BRAKE * self._body.step)))
         speed = min(speed, self._body.max_turn / max(abs(curvature), 1e-9))
         return speed, speed * curvature
 
     def _target(self) -> tuple[float, float]:
-        """Return the point to steer at; beyond the end it lies straight ahead."""
-        s = self.progress + self._config.lookahead
-        x, y = self.path.at(s)
-        beyond = max(0.0, s - self.path.length)
-        end = self.path.heading(self.path.length)
+        """Return the point to steer at; beyond the end of a leg it lies straight ahead."""
+        s, leg = self.progress + self._config.lookahead, self._leg_end()
+        x, y = self.path.at(min(s, leg))
+        beyond = max(0.0, s - leg)
+        end = self.path.heading(leg - SPACING) if leg < self.path.length else self.path.heading(leg)
         return x + beyond * math.cos(end), y + beyond * math.sin(end)
 
     def _follow(self, x: float, y: float) -> None:
         """Advance to the nearest point of the path within the window ahead."""
-        i, j = np.searchsorted(self.path.along, [self.progress, self.progress + WINDOW])
+        leg = self._leg_end()
+        i, j = np.searchsorted(self.path.along, [self.progress, min(self.progress + WINDOW, leg)])
         near = self.path.points[i : j + 1]
         if len(near):
             best = int(np.argmin(np.hypot(near[:, 0] - x, near[:, 1] - y)))
             self.progress = max(self.progress, float(self.path.along[i + best]))
+        if leg < self.path.length and leg - self.progress < TURNED:
+            self.progress = leg
+
+    def _leg_end(self) -> float:
+        """Return how far the path goes before it turns back or ends [m]."""
+        return next((cusp for cusp in self.path.cusps if cusp > self.progress), self.path.length)

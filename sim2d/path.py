@@ -18,11 +18,12 @@ RAMP = 1.0  # [m] over which a lateral offset sets in
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Path:
-    """Points (N, 2) [m], their distance along the line (N,) [m], and the length of one lap [m]."""
+    """Points (N, 2), their distance along the line (N,), the length of one lap, and where it turns back, all [m]."""
 
     points: NDArray[np.float64]
     along: NDArray[np.float64]
     lap: float
+    cusps: tuple[float, ...] = ()
 
     @property
     def length(self) -> float:
@@ -49,12 +50,25 @@ def of_route(route: Route, laps: float | None = None, offset: float = 0.0) -> Pa
     lap = _length(rounded(ring, route.radius))
     if route.tail and laps != round(laps):
         raise WorldError(f"this route has a tail, so its laps must be whole, not {laps}")
-    corners = list(route.ring[:1]) + list(ring[1:]) * math.ceil(laps) + list(route.tail)
-    points = rounded(corners, route.radius)
+    points = rounded([*route.ring[:1], *_laps(ring, math.ceil(laps), route.both_ways), *route.tail], route.radius)
     if not route.tail:
         points = _cut(points, laps * lap)
     points = _shifted(points, lap, offset) if offset else points
-    return Path(points, _along(points), lap)
+    along = _along(points)
+    return Path(points, along, lap, _cusps(points, along))
+
+
+def _laps(ring: list[Point], laps: int, both_ways: bool) -> list[Point]:
+    """Return the corners of so many laps of a closed ring, without its first point; the other way round in turn."""
+    there, back = ring[1:], ring[-2::-1]
+    return [corner for lap in range(laps) for corner in (back if both_ways and lap % 2 else there)]
+
+
+def _cusps(points: NDArray[np.float64], along: NDArray[np.float64]) -> tuple[float, ...]:
+    """Return where the line turns by more than a right angle on the spot [m]."""
+    steps = np.diff(points, axis=0)
+    back = np.flatnonzero((steps[1:] * steps[:-1]).sum(axis=1) < 0)
+    return tuple(float(along[k + 1]) for k in back)
 
 
 def rounded(corners: Sequence[Point], radius: float) -> NDArray[np.float64]:

@@ -11,6 +11,7 @@ def hall() -> Spec:
     """Return the thesis's hall (chapter 5.2.4): a course of about 50 m whose first 15 m are driven again."""
     return Spec(
         name="hall",
+        purpose="pillars, glass and a polished floor: occlusion and glitter",
         route=Route(ring=((7.0, 4.0), (20.0, 4.0), (20.0, 14.0), (5.0, 14.0), (5.0, 4.0)), laps=1.3, radius=1.2),
         floor=Ground(Look((0.62, 0.58, 0.53), "slabs", 3), gloss=0.38),
         ceiling=Ground(Look((0.72, 0.72, 0.74), "plaster", 4), tile=6.4, lamps=3.2),

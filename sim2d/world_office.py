@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from sim2d.shapes import Cylinder, Decal, Ground, Look, Point, Route, Spec, Wall, rectangle
 
@@ -15,9 +16,12 @@ def office_loop() -> Spec:
     """Return two laps of a ring of 130 m and 20 m of the third, so that home is some way off."""
     outer = rectangle(-HALF, -HALF, LENGTH + HALF, DEPTH + HALF)
     inner = rectangle(HALF, HALF, LENGTH - HALF, DEPTH - HALF)
+    route = Route(ring=((3.0, 0.0), (LENGTH, 0.0), (LENGTH, DEPTH), (0.0, DEPTH), (0.0, 0.0)), laps=2.15, radius=0.7)
     return Spec(
         name="office-loop",
-        route=Route(ring=((3.0, 0.0), (LENGTH, 0.0), (LENGTH, DEPTH), (0.0, DEPTH), (0.0, 0.0)), laps=2.15, radius=0.7),
+        purpose="a long ring of look-alike doors: closing loops among false friends",
+        route=route,
+        routes={"both-ways": replace(route, both_ways=True)},
         floor=Ground(Look((0.36, 0.4, 0.46), "speckle", 3), tile=3.0, gloss=0.1),
         ceiling=Ground(Look((0.85, 0.85, 0.83), "plain", 4), tile=3.0, lamps=3.0, first_lamp=0.0),
         ceiling_height=HEIGHT,

@@ -11,6 +11,7 @@ def room_corridor() -> Spec:
     """Return the thesis's loop experiment (chapter 5.2.4): two laps of the ring, then out through the gate."""
     return Spec(
         name="room-corridor",
+        purpose="the thesis's loop experiment: two laps of a room, then through a door and home",
         route=Route(
             ring=((4.0, 1.2), (6.6, 1.2), (6.6, 5.8), (1.4, 5.8), (1.4, 1.2)),
             laps=2,
