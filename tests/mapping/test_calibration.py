@@ -1,57 +1,48 @@
-"""The distance scale from ranges."""
+"""The distance scale from measured moves, and when a value counts as observed."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from topomap.mapping.calibration import RangeScale, calibration_state
+from topomap.mapping.calibration import DistanceScale, calibration_state
 from topomap.mapping.odometry import Calibration
-from topomap.types import Motion
-
-WIDTH = 720
 
 
-def down_the_hall(scale: float, seed: int, turn: float = 0.0, outliers: float = 0.0) -> RangeScale:
-    rng, estimator = np.random.default_rng(seed), RangeScale()
-    for step in range(80):
-        x = 0.1 * step
-        ranges = np.full(WIDTH, 3.0)
-        ranges[:10], ranges[-10:], ranges[350:370] = 9.0 - x, 9.0 - x, 1.0 + x
-        ranges += rng.normal(0, 0.01, WIDTH)
-        if rng.random() < outliers:
-            ranges[:] = rng.uniform(0.5, 9)
-        read = 0.1 * scale * (1 + rng.normal(0, 0.01)) if step else 0.0
-        estimator.update(Motion(read, 0.0, turn, np.eye(3) * 1e-6, 0.25), ranges.astype(np.float32))
-    return estimator
+def estimator(scale: float, seed: int, moves: int = 60, wrong: float = 0.0) -> DistanceScale:
+    """Moves of 0.5 m with 3 % noise, a share of them measured quite wrong."""
+    rng, found = np.random.default_rng(seed), DistanceScale()
+    for _ in range(moves):
+        measured = 0.5 * (1.0 if rng.random() >= wrong else 1.15)
+        found.add(0.5 * scale + rng.normal(0.0, 0.015), measured, 0.015)
+    return found
 
 
-@pytest.mark.parametrize("scale", [0.9, 0.95, 1.0, 1.06])
-def test_scale_is_found_within_its_sigma(scale: float) -> None:
-    found = [down_the_hall(scale, seed).estimate() for seed in range(4)]
-    assert all(f.observed for f in found)
-    assert all(abs(f.value - scale) < 3 * f.sigma for f in found)
-    assert abs(np.mean([f.value for f in found]) - scale) < 0.01
+@pytest.mark.parametrize("scale", [0.9, 0.95, 1.0, 1.08])
+def test_the_scale_is_found_within_its_sigma(scale: float) -> None:
+    off = []
+    for seed in range(20):
+        found = estimator(scale, seed).estimate()
+        assert found.observed
+        off.append((found.value - scale) / found.sigma)
+    assert np.sqrt(np.mean(np.square(off))) < 1.3
+    assert abs(np.mean(off)) < 0.6
 
 
-def test_people_in_the_way_dont_change_it() -> None:
-    found = down_the_hall(0.95, 1, outliers=0.15).estimate()
-    assert found.observed
-    assert abs(found.value - 0.95) < 0.02
+def test_wrong_measurements_barely_bend_it() -> None:
+    found = estimator(0.95, 3, wrong=0.2).estimate()
+    assert found.value == pytest.approx(0.95, abs=0.015)
 
 
-def test_unobserved_without_straight_moves_or_ranges() -> None:
-    assert not down_the_hall(0.95, 0, turn=0.1).estimate().observed
-    blind = RangeScale()
-    for _ in range(50):
-        blind.update(Motion(0.1, 0.0, 0.0, np.eye(3), 0.25), np.full(WIDTH, np.nan, np.float32))
-        blind.update(Motion(0.1, 0.0, 0.0, np.eye(3), 0.25), None)
-    assert blind.moves == 0
-    assert blind.estimate().value == 1.0
+def test_nothing_measured_is_unobserved() -> None:
+    for moves in (0, 5):
+        found = estimator(0.95, 0, moves=moves).estimate()
+        assert (found.value, found.sigma, found.observed) == (1.0, 0.1, False)
 
 
-def test_observed_means_half_the_prior() -> None:
-    covariance = np.diag([0.02, 0.009, 0.1]) ** 2
-    state = calibration_state(Calibration(1.04, 0.003, 0.95), covariance, (0.05, 0.01, 0.1))
-    assert (state.rotation_scale.observed, state.curvature.observed) == (True, False)
-    assert state.rotation_scale.sigma == pytest.approx(0.0208)
+def test_a_value_is_observed_once_its_sigma_has_halved() -> None:
+    state = calibration_state(Calibration(1.04, 0.003, 0.95), np.diag([0.01, 0.009, 0.04]) ** 2, (0.05, 0.01, 0.1))
+    assert state.rotation_scale.observed
+    assert state.rotation_scale.sigma == pytest.approx(0.0104)
+    assert not state.curvature.observed
+    assert state.distance_scale.observed

@@ -22,7 +22,8 @@ def progress(label: str, total: int | None) -> Iterator[Advance]:
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
         task = bar.add_task(label, total=total)
-        yield lambda done: bar.update(task, completed=done)
+        # how long the way home takes is not known beforehand: the total grows with it
+        yield lambda done: bar.update(task, completed=done, total=total and max(total, done))
 
 
 def table(rows: list[tuple[str, str]], title: str) -> None:

@@ -1,4 +1,4 @@
-"""The odometry's systematic errors: the distance scale from ranges, and what is believed of all three."""
+"""The odometry's systematic errors: the distance scale from metric evidence, and what is believed of all three."""
 
 from __future__ import annotations
 
@@ -6,93 +6,51 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
-from topomap.contract import MotionReading
 from topomap.geometry import FloatArray
 from topomap.mapping.odometry import Calibration
-from topomap.types import CalibrationState, Estimate, Float32Array
+from topomap.types import CalibrationState, Estimate
 
 MAD_TO_SIGMA = 1.4826  # of a normal distribution
-MEDIAN_LOSS = 1.2533  # a median's standard error over a mean's
 
 
-class RangeScaleSettings(BaseModel):
-    """How ranges ahead and behind are held against the odometer on straight moves."""
+class DistanceScaleSettings(BaseModel, frozen=True, extra="forbid"):
+    """How measured distances are held against the odometer's."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
-    steps: int = Field(default=5, ge=1, le=100, description="steps of one straight move")
-    max_range: float = Field(default=10.0, gt=0, description="ranges beyond this aren't used [m]")
-    columns: int = Field(default=5, ge=1, le=99, description="columns around the nose whose median is one range")
-    min_travel: float = Field(default=0.2, gt=0, description="shortest straight move [m]")
-    max_turn_deg: float = Field(default=1.5, gt=0, le=20, description="largest turn of a straight move [degree]")
-    max_change: float = Field(default=0.25, gt=0, le=1, description="a scale further off is another object")
-    min_moves: int = Field(default=8, ge=2, description="moves before the scale counts as seen")
-    floor: float = Field(default=0.003, gt=0, le=0.1, description="error that more moves don't take away")
-    prior_sigma: float = Field(default=0.1, gt=0, le=1, description="sigma of the scale before anything is seen")
+    max_change: float = Field(0.25, gt=0, le=1, description="a scale further from 1 is a wrong measurement")
+    min_moves: int = Field(8, ge=2, description="moves before the scale counts as seen")
+    outlier: float = Field(3.0, gt=0, description="moves this many sigmas from the others don't count")
+    floor: float = Field(0.002, gt=0, le=0.1, description="error that more moves don't take away")
+    prior_sigma: float = Field(0.1, gt=0, le=1, description="sigma of the scale before anything is seen")
 
 
-class RangeScale:
-    """Estimates the distance scale [odometer's metres per metre] from how the ranges ahead and behind change.
+class DistanceScale:
+    """Estimates the distance scale [odometer's metres per metre] from moves that were measured otherwise as well."""
 
-    A range along the direction of travel shortens by just what was driven, whatever the wall's angle.
-    """
+    def __init__(self, settings: DistanceScaleSettings | None = None) -> None:
+        self._s = settings or DistanceScaleSettings()
+        self._moves: list[tuple[float, float]] = []
 
-    def __init__(self, settings: RangeScaleSettings | None = None) -> None:
-        self._s = settings or RangeScaleSettings()
-        self._inverses: list[float] = []
-        self._start: FloatArray | None = None
-        self._forward = self._turn = 0.0
-        self._steps = 0
-
-    def update(self, motion: MotionReading, ranges: Float32Array | None) -> None:
-        """Take the raw increment since the last step and the ranges (W,) [m], ccw from the nose, after it."""
-        now = None if ranges is None else self._ends(ranges)
-        self._forward, self._turn, self._steps = (
-            self._forward + motion.forward,
-            self._turn + motion.turn,
-            self._steps + 1,
-        )
-        bent = abs(self._turn) > math.radians(self._s.max_turn_deg)
-        if self._start is None or now is None or bent:
-            self._begin(now)
-        elif self._steps >= self._s.steps and abs(self._forward) >= self._s.min_travel:
-            self._measure(self._start, now)
-            self._begin(now)
-
-    def _ends(self, ranges: Float32Array) -> FloatArray:
-        """Return (2,) the ranges ahead and behind, NaN where nothing near was measured."""
-        width, half = len(ranges), self._s.columns // 2
-        around = np.arange(-half, half + 1)
-        ends = np.stack([ranges[around % width], ranges[(around + width // 2) % width]]).astype(float)
-        medians = np.median(ends, axis=1)
-        return np.where(medians < self._s.max_range, medians, np.nan)
-
-    def _begin(self, ends: FloatArray | None) -> None:
-        self._start, self._forward, self._turn, self._steps = ends, 0.0, 0.0, 0
-
-    def _measure(self, before: FloatArray, after: FloatArray) -> None:
-        # true metres per metre read: the ranges' noise then stands in the numerator and doesn't bias
-        inverses = (before - after) * np.array([1.0, -1.0]) / self._forward
-        self._inverses.extend(float(v) for v in inverses if abs(v - 1.0) <= self._s.max_change)
-
-    @property
-    def moves(self) -> int:
-        """How many range changes have been compared."""
-        return len(self._inverses)
+    def add(self, read: float, measured: float, sigma: float) -> None:
+        """Take a move: way as the odometer read it, as it was measured, and the error of their difference [m]."""
+        if measured > 0 and abs(read / measured - 1.0) <= self._s.max_change:
+            self._moves.append((read / measured, sigma / measured))
 
     def estimate(self) -> Estimate:
         """Return the distance scale with its sigma; 1 with the prior's sigma as long as it isn't observed."""
-        if len(self._inverses) < self._s.min_moves:
-            return Estimate(1.0, self._s.prior_sigma, False)
-        inverses = np.array(self._inverses)
-        middle = float(np.median(inverses))
-        spread = MAD_TO_SIGMA * float(np.median(np.abs(inverses - middle)))
-        sigma = math.hypot(MEDIAN_LOSS * spread / math.sqrt(len(inverses)), self._s.floor) / middle**2
+        unknown = Estimate(1.0, self._s.prior_sigma, False)
+        if len(self._moves) < self._s.min_moves:
+            return unknown
+        scales, sigmas = np.array(self._moves).T
+        away = np.abs(scales - np.median(scales))
+        # sigmas are only known up to a factor: the moves' own spread gives it
+        sigmas = sigmas * max(1.0, MAD_TO_SIGMA * float(np.median(away / sigmas)))
+        weights = np.where(away <= self._s.outlier * sigmas, sigmas**-2.0, 0.0)
+        sigma = math.hypot(float(weights.sum()) ** -0.5, self._s.floor)
         if sigma > 0.5 * self._s.prior_sigma:
-            return Estimate(1.0, self._s.prior_sigma, False)
-        return Estimate(1.0 / middle, sigma, True)
+            return unknown
+        return Estimate(float(weights @ scales / weights.sum()), sigma, True)
 
 
 def calibration_state(

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
 from pydantic import BaseModel, Field
 
 from topomap.contract import Aligner
-from topomap.geometry import FloatArray, Pose2
+from topomap.geometry import FloatArray
 from topomap.mapping.album import Album
 from topomap.mapping.backend.problem import ClosureEdge
 from topomap.mapping.chain import Chain
@@ -17,6 +16,7 @@ from topomap.mapping.correction import Correction
 from topomap.mapping.evidence import GateSettings, OdometryGate
 from topomap.mapping.ledger import Ledger
 from topomap.mapping.odometry import EdgeIncrements
+from topomap.mapping.offset import ClosureOffset, OffsetSettings
 from topomap.mapping.recognition import Proposal
 from topomap.mapping.survey import Survey
 from topomap.mapping.verification import Outcome, Verification, VerificationSettings
@@ -24,12 +24,11 @@ from topomap.types import Candidate, Decision, Verdict
 
 
 class ClosingSettings(BaseModel, frozen=True, extra="forbid"):
-    """How a closure is tested and how exact it counts."""
+    """How a closure is tested and measured."""
 
     verification: VerificationSettings = Field(default_factory=VerificationSettings)
     gate: GateSettings = Field(default_factory=GateSettings)
-    position_sigma: float = Field(0.35, gt=0, description="how far a closure's places lie apart [m]")
-    heading_sigma_deg: float = Field(4.0, gt=0, description="error of a closure's rotation [degree]")
+    offset: OffsetSettings = Field(default_factory=OffsetSettings)
 
 
 class Closing:
@@ -49,8 +48,7 @@ class Closing:
         self._gate = OdometryGate(settings.gate)
         self._survey, self._map, self._album = survey, survey.map, album
         self._ledger, self._correction = ledger, correction
-        variance = [settings.position_sigma**2] * 2 + [math.radians(settings.heading_sigma_deg) ** 2]
-        self._covariance = np.diag(variance)
+        self._offset = ClosureOffset(settings.offset)
 
     def judge(self, stamp_ns: int, proposal: Proposal) -> Decision:
         """Return the verdict on a proposal, made at `stamp_ns` and kept in the ledger."""
@@ -64,17 +62,21 @@ class Closing:
 
     def _candidate(self, proposal: Proposal, outcome: Outcome) -> Candidate:
         winner = outcome.winner
+        offset = self._offset.measure(
+            winner, self._map.nodes[winner.match.node].snapshot, proposal.moment.panorama.ranges
+        )
         scores = {
             "difference": winner.match.difference,
             "cost": winner.alignment.residual,
             "ratio": outcome.ratio,
+            "share": offset.share,
         }
         return Candidate(
             proposal.moment.stamp_ns,
             winner.match.node,
             self._map.nodes[winner.match.node].stamp_ns,
-            Pose2(0.0, 0.0, winner.alignment.rotation),
-            self._covariance,
+            offset.relative,
+            offset.covariance,
             max(0.0, 1.0 - winner.alignment.residual),
             scores=scores,
         )

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from pydantic import BaseModel, Field
 
-from topomap.contract import Aligner, MotionReading
+from topomap.contract import Aligner
 from topomap.geometry import FloatArray
-from topomap.mapping.album import Album
 from topomap.mapping.backend import (
     BackendSettings,
     ClosureEdge,
@@ -17,25 +14,23 @@ from topomap.mapping.backend import (
     OdometryEdge,
     Problem,
     Solution,
-    TurnEdge,
     solve,
 )
 from topomap.mapping.backend.problem import PRIOR_SIGMAS
-from topomap.mapping.calibration import RangeScale, RangeScaleSettings, calibration_state
+from topomap.mapping.calibration import calibration_state
 from topomap.mapping.graph import TopoMap
 from topomap.mapping.ledger import Ledger
+from topomap.mapping.neighbours import Neighbours, NeighbourSettings
 from topomap.mapping.odometry import Calibration
-from topomap.types import CalibrationState, Candidate, Decision, Float32Array, Verdict
+from topomap.types import CalibrationState, Candidate, Decision, Verdict
 
 
 class CorrectionSettings(BaseModel, frozen=True, extra="forbid"):
     """When the map is corrected and what the odometry's errors may be."""
 
     backend: BackendSettings = Field(default_factory=BackendSettings)
-    ranges: RangeScaleSettings = Field(default_factory=RangeScaleSettings)
+    neighbours: NeighbourSettings = Field(default_factory=NeighbourSettings)
     every: int = Field(10, ge=1, description="nodes after which the map is solved though no loop was closed")
-    turns: bool = Field(True, description="use the visual compass turn between neighbouring snapshots")
-    turn_sigma_deg: float = Field(3.0, gt=0, description="error of such a turn [degree]")
 
 
 class Correction:
@@ -43,23 +38,11 @@ class Correction:
 
     def __init__(self, settings: CorrectionSettings, aligner: Aligner, topo: TopoMap) -> None:
         self._s = settings
-        self._aligner = aligner
         self._map = topo
-        self._scale = RangeScale(settings.ranges)
-        self._turns: list[TurnEdge] = []
+        self.neighbours = Neighbours(settings.neighbours, aligner, topo)
         self._closures: list[tuple[ClosureEdge, Candidate]] = []
         self._covariance = np.diag(np.square(PRIOR_SIGMAS))
         self._solved_nodes = 0
-
-    def watch(self, motion: MotionReading, ranges: Float32Array | None) -> None:
-        """Take a raw increment with its ranges (W,): evidence on the distance scale."""
-        self._scale.update(motion, ranges)
-
-    def see_turn(self, a: int, b: int, album: Album) -> None:
-        """Measure the turn between two neighbouring snapshots by sight: evidence on the turn errors."""
-        if self._s.turns:
-            seen = self._aligner.align(album.panorama(b), album.panorama(a), self._turned(a, b))
-            self._turns.append(TurnEdge(a, b, seen.rotation, math.radians(self._s.turn_sigma_deg)))
 
     @property
     def due(self) -> bool:
@@ -91,13 +74,13 @@ class Correction:
         return calibration_state(self._map.calibration, self._covariance, PRIOR_SIGMAS)
 
     def _problem(self) -> Problem:
-        scale = self._scale.estimate()
+        scale = self.neighbours.distance_scale
         sigmas = (PRIOR_SIGMAS[0], PRIOR_SIGMAS[1], scale.sigma / scale.value if scale.observed else PRIOR_SIGMAS[2])
         return Problem(
             self._map.poses.copy(),
             tuple(OdometryEdge(a, b, increments) for a, b, increments in self._map.odometry_edges()),
             Closures.of([edge for edge, _ in self._closures]),
-            tuple(self._turns),
+            tuple(self.neighbours.turns),
             self._map.calibration,
             Calibration(distance_scale=scale.value if scale.observed else 1.0),
             sigmas,
@@ -116,7 +99,3 @@ class Correction:
                 self._map.close(edge)
                 changed.append(ledger.decide(stamp_ns, candidate, Verdict.ACCEPTED, "fits after all"))
         return changed
-
-    def _turned(self, a: int, b: int) -> float:
-        """Return the turn from node a to node b by the map: where the visual search begins [rad]."""
-        return self._map.pose(a).to(self._map.pose(b)).heading

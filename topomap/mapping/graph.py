@@ -6,6 +6,7 @@ import hashlib
 import json
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 
 import networkx as nx
 import numpy as np
@@ -117,8 +118,15 @@ class TopoMap:
 
     def odometry_edges(self) -> Iterator[tuple[int, int, Increments]]:
         """Yield (a, b, increments) along the chain."""
-        for a, b in zip(self.chain, self.chain[1:], strict=False):
+        for a, b in pairwise(self.chain):
             yield a, b, self._increments[a, b]
+
+    def way(self, a: int, b: int) -> Increments:
+        """Return the increments from node a to node b, which comes later on the chain and not long before its end."""
+        last = len(self.chain) - 1 - self.chain[::-1].index(b)
+        first = last - self.chain[last::-1].index(a)
+        nodes = self.chain[first : last + 1]
+        return Increments.concatenate([self._increments[pair] for pair in pairwise(nodes)])
 
     def trajectory(self) -> tuple[IntArray, FloatArray]:
         """Return stamps (K,) and poses (K, 3) of every step up to the last node, on the corrected route."""

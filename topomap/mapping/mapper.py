@@ -47,7 +47,6 @@ class Mapper:
     def update(self, reading: Reading, panorama: Panorama) -> MapChange:
         """Take one reading: survey, keep or not, search, test closures, solve; return what changed."""
         self.survey.advance(reading.stamp_ns, reading.motion)
-        self.correction.watch(reading.motion, panorama.ranges)
         difference = self._difference(panorama)
         added = self._keep(reading, panorama, difference)
         place = self._recognition.update(reading.stamp_ns, self.survey.travel, panorama)
@@ -106,7 +105,7 @@ class Mapper:
         self.album.put(node, panorama)
         self._recognition.add(node, self.survey.travel, panorama)
         if self._last_snapshot >= 0:
-            self.correction.see_turn(self._last_snapshot, node, self.album)
+            self.correction.neighbours.compare(self._last_snapshot, node, self.album)
         self._last_snapshot = node
 
     def _recognise(self, stamp_ns: int) -> tuple[Decision, ...]:

@@ -1,0 +1,61 @@
+"""Relative pose of two range scans, by point-to-line alignment (Censi 2008, with a redescending weight)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from pydantic import BaseModel, Field
+
+from topomap.geometry import FloatArray, wrap
+from topomap.mapping.scan_kernels import normal_equations, surfaces
+from topomap.types import Float32Array
+
+
+class ScanMatchSettings(BaseModel, frozen=True, extra="forbid"):
+    """How two scans are laid over one another."""
+
+    neighbours: int = Field(4, ge=1, description="rays to either side that make a surface")
+    flatness: float = Field(0.1, gt=0, lt=1, description="how much a surface may bend")
+    widest: float = Field(0.3, gt=0, description="pairs further apart don't count at first [m]")
+    narrowest: float = Field(0.05, gt=0, description="... and in the end [m]")
+    iterations: int = Field(12, ge=2, description="steps of the alignment")
+    window: int = Field(10, ge=1, description="rays to either side that a point may be paired with")
+    min_share: float = Field(0.25, gt=0, le=1, description="share of all rays that must find a partner")
+    sigma: float = Field(0.015, gt=0, description="least error of a pair [m]")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ScanMatch:
+    """`a_from_b` (3,) of two scans with its covariance (3, 3) and the share of rays that found a partner.
+
+    The covariance is that of independent errors of the pairs: large where the surfaces don't tell, as along a corridor.
+    """
+
+    relative: FloatArray
+    covariance: FloatArray
+    share: float
+
+
+def match_scans(
+    a: Float32Array, b: Float32Array, guess: FloatArray, settings: ScanMatchSettings | None = None
+) -> ScanMatch | None:
+    """Lay scan b over scan a (both (W,) [m], counter-clockwise from the nose, NaN unmeasured) from a guess (3,) on.
+
+    Returns None where too few rays find a partner.
+    """
+    s = settings or ScanMatchSettings()
+    points, normals = surfaces(a.astype(float), s.neighbours, s.flatness)
+    moved, moved_normals = surfaces(b.astype(float), s.neighbours, s.flatness)
+    pose = np.array(guess, float)
+    for cutoff in np.geomspace(s.widest, s.narrowest, s.iterations - 2).tolist() + 2 * [s.narrowest]:
+        information, gradient, error, used = normal_equations(
+            points, normals, moved, moved_normals, pose, cutoff, s.window
+        )
+        if used < s.min_share * len(a):
+            return None
+        # where the surfaces don't tell, the guess stands
+        pose -= np.linalg.solve(information + 1e-3 * np.eye(3), gradient)
+        pose[2] = wrap(float(pose[2]))
+    variance = max(s.sigma**2, error / used)
+    return ScanMatch(pose, variance * np.linalg.inv(information + 1e-6 * np.eye(3)), used / len(a))
