@@ -6,7 +6,7 @@ real hardware can own its own classes and fit structurally, without importing to
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeVar
+from typing import TYPE_CHECKING, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -162,8 +162,10 @@ class HomingMethod(Protocol[D]):
     alone, which are tested against their analytic field instead.
     """
 
-    needs: ClassVar[Any]
-    claims_homing: ClassVar[bool]
+    @property
+    def needs(self) -> Needs: ...
+    @property
+    def claims_homing(self) -> bool: ...
 
     def describe(self, panorama: Panorama) -> D: ...
 

@@ -14,7 +14,7 @@ IntArray = NDArray[np.int64]
 Int8Array = NDArray[np.int8]
 
 
-@njit(cache=True)  # numba has no types
+@njit(cache=True)
 def spectra_products(
     spectra: Complex64Array, conjugate: Complex64Array, columns: int
 ) -> tuple[Complex64Array, Float64Array]:
@@ -38,7 +38,7 @@ def spectra_products(
     return products, powers
 
 
-@njit(cache=True)  # numba has no types
+@njit(cache=True)
 def scale_planes(
     goal: Float32Array, current: Float32Array, goal_sum: Float32Array, current_sum: Float32Array, floor: float
 ) -> Float32Array:
@@ -72,7 +72,7 @@ def scale_planes(
     return planes
 
 
-@njit(cache=True)  # numba has no types
+@njit(cache=True)
 def warping_search(
     planes: Float32Array,
     shifts: IntArray,
@@ -106,7 +106,7 @@ def warping_search(
     return cost / np.float32(n)
 
 
-@njit(cache=True)  # numba has no types
+@njit(cache=True)
 def absolute_differences(current: Float32Array, goal: Float32Array) -> Float64Array:
     """Return the mean absolute difference (C,) of goal (R, C) and current (R, C) rolled by 0, 1, .. C-1
     columns.
@@ -126,16 +126,14 @@ def absolute_differences(current: Float32Array, goal: Float32Array) -> Float64Ar
     return mean
 
 
-@njit(cache=True)  # numba has no types
-def dtw_path(home: Float32Array, current: Float32Array, band: int) -> tuple[Float64Array, float]:
-    """Match two sequences (F, L) by dynamic time warping within |i - j| <= band (Sakoe, Chiba 1978).
-
-    Returns for each home index the mean of the matched current indices minus itself (L,), and the path's
-    cost: the sum of absolute differences along it per step and feature.
+@njit(cache=True)
+def _dtw_table(home: Float32Array, current: Float32Array, band: int) -> tuple[Int8Array, float]:
+    """Return which step led to each cell, (L, 2 band + 1), 0 both on, 1 home on, 2 current on, and the last cell's
+    summed difference.
     """
     features, length = home.shape
     width = 2 * band + 1
-    step = np.zeros((length, width), np.int8)  # 0 both on, 1 home on, 2 current on
+    step = np.zeros((length, width), np.int8)
     before = np.full(width + 1, np.inf, np.float32)
     local = np.empty(width, np.float32)
     least = np.empty(width, np.float32)
@@ -160,21 +158,50 @@ def dtw_path(home: Float32Array, current: Float32Array, band: int) -> tuple[Floa
             step[i, o] = 2 if left < least[o] else step[i, o]
             left = (left if left < least[o] else least[o]) + local[o]
             before[o] = left
-    shift, steps = _walked_back(step, band)
-    return shift, float(before[band]) / features / steps
+    return step, float(before[band])
 
 
-@njit(cache=True)  # numba has no types
-def _walked_back(step: Int8Array, band: int) -> tuple[Float64Array, int]:
+@njit(cache=True)
+def dtw_path(home: Float32Array, current: Float32Array, band: int) -> tuple[Float64Array, float]:
+    """Match two sequences (F, L) by dynamic time warping within |i - j| <= band (Sakoe, Chiba 1978).
+
+    Returns for each home index the mean of the matched current indices minus itself (L,), and the path's
+    cost: the sum of absolute differences along it per step and feature.
+    """
+    step, total = _dtw_table(home, current, band)
+    rows, offsets = _walked_back(step, band)
+    shift, count = np.zeros(len(step)), np.zeros(len(step))
+    for k in range(len(rows)):
+        shift[rows[k]] += offsets[k]
+        count[rows[k]] += 1.0
+    return shift / count, total / home.shape[0] / len(rows)
+
+
+@njit(cache=True)
+def dtw_pairs(home: Float32Array, current: Float32Array, band: int) -> tuple[IntArray, IntArray, Float64Array, float]:
+    """Match as `dtw_path` does; return every matched pair, home and current indices (M,), from the end, their
+    difference (M,) per feature, and the path's cost.
+    """
+    step, total = _dtw_table(home, current, band)
+    rows, offsets = _walked_back(step, band)
+    unlike = np.zeros(len(rows))
+    for k in range(len(rows)):
+        for f in range(home.shape[0]):
+            unlike[k] += abs(home[f, rows[k]] - current[f, rows[k] + offsets[k]])
+    return rows, rows + offsets, unlike / home.shape[0], total / home.shape[0] / len(rows)
+
+
+@njit(cache=True)
+def _walked_back(step: Int8Array, band: int) -> tuple[IntArray, IntArray]:
+    """Return the path's home indices and shifts, from the end."""
     length = step.shape[0]
-    shift, count = np.zeros(length), np.zeros(length)
+    rows, offsets = np.empty(2 * length, np.int64), np.empty(2 * length, np.int64)
     i, o, steps = length - 1, band, 0
     while True:
-        shift[i] += o - band
-        count[i] += 1.0
+        rows[steps], offsets[steps] = i, o - band
         steps += 1
         if i == 0 and o == band:
-            return shift / count, steps
+            return rows[:steps], offsets[:steps]
         way = step[i, o]
         if way == 1:
             i, o = i - 1, o + 1
@@ -184,7 +211,7 @@ def _walked_back(step: Int8Array, band: int) -> tuple[Float64Array, int]:
             i -= 1
 
 
-@njit(cache=True)  # numba has no types
+@njit(cache=True)
 def block_differences(home: Float32Array, current: Float32Array, reach: int, half: int) -> Float32Array:
     """Return the summed difference (L, 2 reach + 1) of the windows i +- half of two rings (F, L) at shifts
     -reach .. reach of the current one.

@@ -86,14 +86,15 @@ def warp(current: WarpingView, goal: WarpingView, prior: float | None = None, wi
     floor = goal.spec.floor * float(goal.sums[0, 0].mean() + current.sums[0, 0].mean())
     planes = scale_planes(goal.edges, current.edges, goal.sums, current.sums, floor)
     shifts, scales, counts = _movements(n, goal.edges.shape[1], goal.spec.levels, goal.spec.step)
-    first, width = _rotations(prior, window, n)
+    first, width = rotations(prior, window, n)
     cost = warping_search(planes, shifts, scales, counts, np.arange(n), first, width)
     sample = cost if width == n else warping_search(planes, shifts, scales, counts, np.arange(0, n, 9), 0, n)
     seen = bool(goal.sums.any() and current.sums.any())
     return WarpingCost(cost, first, float(sample.mean(dtype=np.float64)) if seen else 0.0, goal.first_bearing)
 
 
-def _rotations(prior: float | None, window: float, n: int) -> tuple[int, int]:
+def rotations(prior: float | None, window: float, n: int) -> tuple[int, int]:
+    """Return the first of the rotations to search and how many, in columns, within prior +- window [rad]."""
     half = math.ceil(window * n / TAU)
     if prior is None or 2 * half + 1 >= n:
         return 0, n

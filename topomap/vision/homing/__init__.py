@@ -3,16 +3,98 @@
 from typing import Any
 
 from topomap.contract import HomingMethod
+from topomap.vision.homing.acv import AverageCorrectionalVector
+from topomap.vision.homing.alv import AverageLandmarkVector
 from topomap.vision.homing.area_centroid import AreaCentroid
+from topomap.vision.homing.bipolar import BipolarMasks
+from topomap.vision.homing.comalv import CentreOfMass, ModifiedCentreOfMass, ReferenceJacobian
+from topomap.vision.homing.convergence_point import ConvergencePoint
+from topomap.vision.homing.delv import DistanceLandmarkVector
+from topomap.vision.homing.did import ImageDescent
+from topomap.vision.homing.did_moves import TrialMoves
 from topomap.vision.homing.dtw import DynamicWarping
+from topomap.vision.homing.equal_warping import EqualWarping, RingWarping
+from topomap.vision.homing.goal_view import GoalView, HomingPolicy, ReferenceHoming
+from topomap.vision.homing.matched_filter import MatchedFilterDescent
 from topomap.vision.homing.min_warping import MinWarping
+from topomap.vision.homing.moment import Moment
 from topomap.vision.homing.needs import Needs, check
+from topomap.vision.homing.pixel_landmarks import PixelLandmarks
+from topomap.vision.homing.random_masks import RandomMasks, ReferenceMasks
+from topomap.vision.homing.run_down import RunDown
+from topomap.vision.homing.stationary_points import StationaryImage, StationaryPoints
+from topomap.vision.masks import MaskSpec
 
 METHODS: dict[str, HomingMethod[Any]] = {  # Any: each method keeps its own kind of description
+    "alv": AverageLandmarkVector(),
+    "acv": AverageCorrectionalVector(),
+    "delv": DistanceLandmarkVector(),
+    "delv-full": DistanceLandmarkVector(pairing="full"),
+    "delv-quantised": DistanceLandmarkVector(levels=4),
+    "comalv": CentreOfMass(),
+    "comalv-edges": CentreOfMass(edges=True),
+    "mfdid-gradient": MatchedFilterDescent("gradient"),
+    "mfdid-newton": MatchedFilterDescent("newton"),
+    "warping-1d": RingWarping(),
+    "warping-2d": EqualWarping(),
     "min-warping": MinWarping(),
+    "moment-centroid": Moment(form="centroid", feature="equal"),
+    "moment-centroid-rgb": Moment(form="centroid", feature="rgb"),
+    "moment-2": Moment(2.0),
+    "moment-3": Moment(3.0),
+    "moment-pixel": Moment(2.0, form="pixel"),
+    "moment-area": Moment(2.0, form="area"),
+    "moment-area-rgb": Moment(2.0, "rgb", "area"),
+    "moment-area-hsv": Moment(2.0, "hsv", "area"),
+    "moment-ground": Moment(2.0, form="area", distance="ground"),
+    "moment-colour-only": Moment(2.0, "rgb", distance="equal"),
+    "area-centroid": AreaCentroid(),
+    "convergence-point": ConvergencePoint(),
+    "bipolar-masks": BipolarMasks(),
+    "random-masks": RandomMasks(),
+    "pixel-landmarks": PixelLandmarks(),
+    "pixel-landmarks-range": PixelLandmarks(distance="range"),
+    "stationary-1d": StationaryPoints(),
+    "stationary-2d": StationaryImage(),
     "dtw-wing": DynamicWarping(wings="wing"),
     "dtw-unifying": DynamicWarping(),
-    "area-centroid": AreaCentroid(),
+    "dtw-inhibited": DynamicWarping(inhibition="target"),
+    "dtw-swing": DynamicWarping(swing=0.2618),
 }
+"""Pure functions of two described panoramas."""
 
-__all__ = ["METHODS", "AreaCentroid", "DynamicWarping", "MinWarping", "Needs", "check"]
+REFERENCE_METHODS: dict[str, ReferenceHoming] = {
+    "comalv-references": ReferenceJacobian(CentreOfMass()),
+    "mcomalv": ModifiedCentreOfMass(),
+    "did": ImageDescent(),
+    "did-far": ImageDescent(step=0.3),
+    "random-masks-references": ReferenceJacobian(RandomMasks()),
+    "masks-3": ReferenceMasks(),
+    "masks-3-even": ReferenceMasks(MaskSpec(even=True)),
+}
+"""Methods that are given references taken around the goal."""
+
+POLICIES: dict[str, HomingPolicy[Any]] = {  # Any: each policy has its own state
+    "did-basic": TrialMoves("basic", 8),
+    "did-gradient-2": TrialMoves("gradient", 2),
+    "did-gradient-4": TrialMoves("gradient", 4),
+    "did-newton-4": TrialMoves("newton", 4),
+    "did-newton-8": TrialMoves("newton", 8),
+    "run-down": RunDown(),
+}
+"""Methods that act and look."""
+
+__all__ = [
+    "METHODS",
+    "POLICIES",
+    "REFERENCE_METHODS",
+    "AreaCentroid",
+    "DynamicWarping",
+    "GoalView",
+    "HomingPolicy",
+    "MinWarping",
+    "Moment",
+    "Needs",
+    "ReferenceHoming",
+    "check",
+]

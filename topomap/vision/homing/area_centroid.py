@@ -9,23 +9,12 @@ from typing import ClassVar
 import numpy as np
 
 from topomap.errors import DataError
-from topomap.geometry import TAU
-from topomap.types import Float32Array, HomeVector
+from topomap.geometry import TAU, FloatArray
+from topomap.types import HomeVector
+from topomap.vision.distances import distances
 from topomap.vision.homing.needs import Needs
+from topomap.vision.homing.view_vector import ViewVector, same_camera
 from topomap.vision.panorama import Panorama
-
-FAR = 50.0
-"""Ranges [m] beyond this are the sensor's way of saying nothing."""
-
-
-@dataclass(frozen=True, slots=True)
-class Centroid:
-    """The centroid of the open space in the robot's frame: x, y [m]; share of the directions measured."""
-
-    x: float
-    y: float
-    share: float
-
 
 @dataclass(frozen=True, slots=True)
 class AreaCentroid:
@@ -38,17 +27,22 @@ class AreaCentroid:
     claims_homing: ClassVar[bool] = True
     least_share: float = 0.25
 
-    def describe(self, panorama: Panorama) -> Centroid:
+    def describe(self, panorama: Panorama) -> ViewVector:
         """Return the centroid; unmeasured directions are interpolated. Raises DataError without ranges."""
         if panorama.ranges is None:
             raise DataError("the area centroid needs measured ranges, and the panorama has none")
-        good = np.isfinite(panorama.ranges) & (panorama.ranges > 0) & (panorama.ranges < FAR)
-        if not good.any():
-            return Centroid(0.0, 0.0, 0.0)
-        return _centroid(panorama.ranges, np.flatnonzero(good))
+        found = distances(panorama, "range")
+        if found.share == 0.0:
+            return ViewVector(0.0, 0.0, 0.0, panorama.rig)
+        x, y = _centroid(found.metres)
+        return ViewVector(x, y, found.share, panorama.rig)
 
-    def home(self, current: Centroid, goal: Centroid) -> HomeVector:
-        """Return bearing [rad] and distance [m]; confidence is the smaller share of measured directions."""
+    def home(self, current: ViewVector, goal: ViewVector) -> HomeVector:
+        """Return bearing [rad] and distance [m]; confidence is the smaller share of measured directions.
+
+        Raises ShapeError.
+        """
+        same_camera(current.rig, goal.rig)
         x, y = current.x - goal.x, current.y - goal.y
         share = min(current.share, goal.share)
         length = math.hypot(x, y)
@@ -56,10 +50,7 @@ class AreaCentroid:
         return HomeVector(math.atan2(y, x), length, sure)
 
 
-def _centroid(ranges: Float32Array, measured: np.ndarray[tuple[int, ...], np.dtype[np.int64]]) -> Centroid:
-    width = len(ranges)
-    r = np.interp(np.arange(width), measured, ranges[measured].astype(np.float64), period=width)
-    angles = np.arange(width) * (TAU / width)
+def _centroid(r: FloatArray) -> tuple[float, float]:
+    angles = np.arange(len(r)) * (TAU / len(r))
     area = 1.5 * float(np.sum(r**2))
-    x, y = float(np.sum(r**3 * np.cos(angles))) / area, float(np.sum(r**3 * np.sin(angles))) / area
-    return Centroid(x, y, len(measured) / width)
+    return float(np.sum(r**3 * np.cos(angles))) / area, float(np.sum(r**3 * np.sin(angles))) / area

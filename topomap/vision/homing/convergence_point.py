@@ -1,0 +1,48 @@
+"""H16, the numeric convergence point: where the moment's potential is least, seen from both places (3.29-3.33)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from topomap.types import HomeVector
+from topomap.vision.convergence import convergence_point, points
+from topomap.vision.distances import Source, distances
+from topomap.vision.features import Feature, features
+from topomap.vision.homing.needs import Needs
+from topomap.vision.homing.view_vector import ViewVector, difference
+from topomap.vision.panorama import Panorama
+
+
+@dataclass(frozen=True, slots=True)
+class ConvergencePoint:
+    """The minimum of sum C |p - a|^n by Barzilai-Borwein descent to `precision` [m], current minus goal (3.33).
+
+    Metric for point landmarks; a bearing only on pixel rings, which sample near walls more densely.
+    """
+
+    claims_homing = True
+    exponent: float = 3.0
+    feature: Feature = "equal"
+    distance: Source = "range"
+    precision: float = 1e-3
+
+    @property
+    def needs(self) -> Needs:
+        """Aligned views, and what the source of distances asks for."""
+        ground = self.distance in ("ground", "polynomial")
+        return Needs(True, self.distance == "range", self.feature not in ("equal", "grey"), ground)
+
+    def describe(self, panorama: Panorama) -> ViewVector:
+        """Return the convergence point [m], the mean over the feature's models. Raises DataError without ranges."""
+        found = distances(panorama, self.distance)
+        models = features(panorama, self.feature)
+        landmarks = points(found.metres)
+        each = [convergence_point(landmarks, weights, self.exponent, self.precision) for weights in models]
+        x, y = np.mean(each, axis=0)
+        return ViewVector(float(x), float(y), found.share, panorama.rig)
+
+    def home(self, current: ViewVector, goal: ViewVector) -> HomeVector:
+        """Return the bearing [rad] of the goal in the aligned frame. Raises ShapeError."""
+        return difference(current, goal)

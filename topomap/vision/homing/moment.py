@@ -1,0 +1,64 @@
+"""H12, H13: moments of the surroundings, weighted by range and colour (chapter 3)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from topomap.geometry import TAU, FloatArray
+from topomap.types import HomeVector
+from topomap.vision.distances import Source, distances
+from topomap.vision.features import Feature, features
+from topomap.vision.homing.needs import Needs
+from topomap.vision.homing.view_vector import ViewVector, difference
+from topomap.vision.panorama import Panorama
+
+Form = Literal["centroid", "gradient", "pixel", "area"]
+_RAISED = {"centroid": 0.0, "gradient": 0.0, "pixel": 1.0, "area": 2.0}
+
+
+@dataclass(frozen=True, slots=True)
+class Moment:
+    """A moment of order `exponent` at the current place minus at the goal; bearing only.
+
+    form "centroid": sum r C u / sum C (3.9, 3.16), whatever the exponent; "gradient": m sum r^(m-1) C u, m = n
+    (3.34; (3.28)'s sign is a slip that cancels; the factor m makes a negative order repel); "pixel": m = n + 1
+    (A.20); "area": m = n + 2 (3.40). m = 0 is void, and m = 1 with equal features sums to zero: both abstain.
+    """
+
+    claims_homing = True
+    exponent: float = 2.0
+    feature: Feature = "grey"
+    form: Form = "gradient"
+    distance: Source = "range"
+
+    @property
+    def needs(self) -> Needs:
+        """Aligned views, and what the source of distances asks for."""
+        ground = self.distance in ("ground", "polynomial")
+        return Needs(True, self.distance == "range", self.feature not in ("equal", "grey"), ground)
+
+    def describe(self, panorama: Panorama) -> ViewVector:
+        """Return the moment's vector, the mean over the feature's models. Raises DataError without ranges."""
+        found = distances(panorama, self.distance)
+        vector = self.vector(found.metres, features(panorama, self.feature))
+        return ViewVector(float(vector[0]), float(vector[1]), found.share, panorama.rig)
+
+    def home(self, current: ViewVector, goal: ViewVector) -> HomeVector:
+        """Return the bearing [rad] of the goal in the aligned frame. Raises ShapeError."""
+        return difference(current, goal)
+
+    def vector(self, metres: FloatArray, models: FloatArray) -> FloatArray:
+        """Return the moment's vector (2,) of distances (W,) [m] and features (F, W) along the columns."""
+        angles = np.arange(len(metres)) * (TAU / len(metres))
+        towards = np.stack([np.cos(angles), np.sin(angles)])
+        if self.form == "centroid":
+            weight = models / np.maximum(models.sum(axis=1, keepdims=True), 1e-12)
+            return np.asarray((towards @ (weight * metres).T).mean(axis=1), np.float64)
+        order = self.exponent + _RAISED[self.form]
+        if order == 0.0 or (order == 1.0 and self.feature == "equal"):
+            return np.zeros(2)
+        lengths = order * np.maximum(metres, 1e-3) ** (order - 1.0)
+        return np.asarray((towards @ (models * lengths).T).mean(axis=1) / len(metres), np.float64)

@@ -1,0 +1,63 @@
+"""H19, H20: random Haar-like masks with one reference and with three (4.1.2, 4.1.3)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from topomap.types import HomeVector
+from topomap.vision.homing.goal_view import GoalView
+from topomap.vision.homing.needs import Needs
+from topomap.vision.homing.view_vector import ViewVector, difference, same_views, vector_home
+from topomap.vision.masks import MaskSpec, masks, scores
+from topomap.vision.panorama import Panorama
+
+MASKS = MaskSpec()
+
+
+@dataclass(frozen=True, slots=True)
+class RandomMasks:
+    """Sum over masks of (S_C - S_H) u (4.10-4.12, current minus goal); claims no homing.
+
+    The field has the same saddle at the goal as the centre of mass: neither sign homes in a room.
+    """
+
+    needs: ClassVar[Needs] = Needs(compass=True)
+    claims_homing: ClassVar[bool] = False
+    spec: MaskSpec = MASKS
+
+    def describe(self, panorama: Panorama) -> ViewVector:
+        """Return the mean over masks of score * u."""
+        rig = panorama.rig
+        chosen = masks(self.spec, rig.width, rig.height, rig.horizon_row)
+        found = panorama.derived(self.spec, lambda p: scores(p, self.spec))
+        x, y = float(np.mean(found * np.cos(chosen.bearings))), float(np.mean(found * np.sin(chosen.bearings)))
+        return ViewVector(x, y, 1.0 if found.any() else 0.0, rig)
+
+    def home(self, current: ViewVector, goal: ViewVector) -> HomeVector:
+        """Return the bearing [rad] of the vectors' difference in the aligned frame. Raises ShapeError."""
+        return difference(current, goal)
+
+
+@dataclass(frozen=True, slots=True)
+class ReferenceMasks:
+    """Score differences to three references: X = sum |S_X - S| - sum |S_0 - S|, Y alike, home = atan2(Y, X)
+    (4.13-4.15); bearing only.
+    """
+
+    needs: ClassVar[Needs] = Needs(compass=True)
+    claims_homing: ClassVar[bool] = True
+    spec: MaskSpec = MASKS
+    step: float = 0.1
+
+    def home(self, current: Panorama, goal: GoalView) -> HomeVector:
+        """Return the bearing [rad] of the goal in the aligned frame. Raises ShapeError."""
+        same_views(current, goal.home)
+        here, *there = (
+            p.derived(self.spec, lambda q: scores(q, self.spec)) for p in (current, goal.home, goal.x, goal.y)
+        )
+        apart = [float(np.abs(score - here).mean()) for score in there]
+        x, y = apart[1] - apart[0], apart[2] - apart[0]
+        return vector_home(x, y, sum(apart) + 1e-9, 1.0 if here.any() and apart[0] > 1e-9 else 0.0)
