@@ -33,14 +33,10 @@ class Blocks(NamedTuple):
         """Return (n,) squared errors."""
         return np.asarray((self.residual**2).sum(axis=1))
 
-    def weighted(self, weights: FloatArray) -> Blocks:
-        """Return the blocks with each squared error counted weights (n,) times, the weightless left out."""
-        kept = weights > 1e-6
-        root = np.sqrt(weights[kept])
-        scale = root[:, None, None]
-        calibration = None if self.by_calibration is None else self.by_calibration[kept] * scale
-        by_i, by_j = self.by_i[kept] * scale, self.by_j[kept] * scale
-        return Blocks(self.i[kept], self.j[kept], by_i, by_j, calibration, self.residual[kept] * root[:, None])
+    def among(self, part: NDArray[np.bool_]) -> Blocks:
+        """Return some (n,) of the residuals."""
+        calibration = None if self.by_calibration is None else self.by_calibration[part]
+        return Blocks(self.i[part], self.j[part], self.by_i[part], self.by_j[part], calibration, self.residual[part])
 
 
 def roots(covariance: FloatArray) -> FloatArray:
