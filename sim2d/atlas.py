@@ -121,7 +121,7 @@ class AtlasBuilder:
     def _add(self, canvas: Canvas, length: float, height: float) -> int:
         offset, nu, nv = [], [], []
         for level in range(LEVELS):
-            v, u = (max(1, n >> level) for n in canvas.shape[:2])
+            v, u = (max(2, n >> level) for n in canvas.shape[:2])
             small = canvas if level == 0 else cv2.resize(canvas, (u, v), interpolation=cv2.INTER_AREA)
             texels = np.clip(np.asarray(small)[::-1] * 255.0 + 0.5, 0, 255).astype(np.uint8)
             offset.append(self._filled)

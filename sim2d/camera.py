@@ -10,8 +10,10 @@ from numpy.typing import NDArray
 
 from sim2d.column import Eye
 from sim2d.config import CameraConfig
+from sim2d.lights import even
 from sim2d.records import CameraRig
 from sim2d.render import add_noise, render
+from sim2d.tones import tone_curves
 from sim2d.world import World
 
 NOISE_TABLE = 1 << 20
@@ -32,6 +34,7 @@ class Camera:
             forward_column=config.forward_column,
             clockwise=config.clockwise,
         )
+        self._tones = tone_curves(config.gain)
         # drawing fresh noise for every pixel would cost more than rendering it: a long table, entered anywhere
         table = np.rint(rng.normal(0.0, config.noise, NOISE_TABLE)) if config.noise > 0 else np.zeros(0)
         self._noise = np.clip(table, -127, 127).astype(np.int8)
@@ -39,7 +42,7 @@ class Camera:
     def view(self, world: World, x: float, y: float, heading: float) -> NDArray[np.uint8]:
         """Return the panorama (H, W, 3) RGB at a pose [m, rad], without noise and codec."""
         image = np.empty((self.rig.height, self.rig.width, 3), dtype=np.uint8)
-        render(world.scene(), world.atlas, self._eye(world, x, y, heading), image)
+        render(world.scene(), world.atlas, self._eye(world, x, y, heading), even(), self._tones, image)
         return image
 
     def shoot(self, world: World, x: float, y: float, heading: float) -> tuple[NDArray[np.uint8], bytes]:
@@ -74,7 +77,6 @@ class Camera:
             world.floor,
             world.ceiling,
             world.spec.floor.gloss,
-            self._config.gain,
         )
 
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from sim2d.kernel import kernel
 
 SEGMENT, EDGE, CIRCLE = 0, 1, 2
 MARGIN = 1e-6  # [m] a surface on a cell's border is listed on both sides
@@ -17,7 +18,8 @@ class Scene(NamedTuple):
 
     kind (S,); line (S, 4): ax, ay, bx, by, or x, y, radius, 0 [m]; solid (S,): number of the body a surface belongs
     to; top (S,) [m]; tile (S,): texture; along (S,): surface coordinate at a [m]; light (S,): brightness factor.
-    The grid: origin (2,) [m], cell [m], cells (2,); surfaces of cell c are `items[first[c]:first[c + 1]]`.
+    The grid: origin (2,) [m], cell [m], cells (2,); surfaces of cell c are `items[first[c]:first[c + 1]]`. Only the
+    first `fixed` surfaces are in it; the circles behind them move: their rows may be written at any time.
     """
 
     kind: NDArray[np.int64]
@@ -32,6 +34,7 @@ class Scene(NamedTuple):
     cells: NDArray[np.int64]
     first: NDArray[np.int64]
     items: NDArray[np.int64]
+    fixed: int
 
 
 class Surfaces(NamedTuple):
@@ -46,20 +49,22 @@ class Surfaces(NamedTuple):
     light: NDArray[np.float64]
 
 
-def build(surfaces: Surfaces, per_cell: float = 1.5) -> Scene:
-    """Lay a grid over the surfaces with about `per_cell` surfaces to a cell."""
-    low, high = _bounds(surfaces.kind, surfaces.line)
+def build(surfaces: Surfaces, moving: int = 0, per_cell: float = 1.0) -> Scene:
+    """Lay a grid over all surfaces but the last `moving`, with about `per_cell` surfaces to a cell."""
+    fixed = len(surfaces.kind) - moving
+    kind, line = surfaces.kind[:fixed], surfaces.line[:fixed]
+    low, high = _bounds(kind, line)
     extent = np.maximum(high - low, 0.1) + 4 * MARGIN
-    count = max(1, len(surfaces.kind))
+    count = max(1, fixed)
     cell = float(np.clip(np.sqrt(extent[0] * extent[1] * per_cell / count), 0.25, 4.0))
     cells = np.ceil(extent / cell).astype(np.int64)
     origin = low - 2 * MARGIN
     sizes = np.zeros(cells[0] * cells[1] + 1, dtype=np.int64)
-    _fill(surfaces.kind, surfaces.line, origin, cell, cells, sizes, np.zeros(0, dtype=np.int64))
+    _fill(kind, line, origin, cell, cells, sizes, np.zeros(0, dtype=np.int64))
     first = np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(sizes[:-1])])
     items = np.zeros(first[-1], dtype=np.int64)
-    _fill(surfaces.kind, surfaces.line, origin, cell, cells, first[:-1].copy(), items)
-    return Scene(*surfaces, origin, cell, cells, first, items)
+    _fill(kind, line, origin, cell, cells, first[:-1].copy(), items)
+    return Scene(*surfaces, origin, cell, cells, first, items, fixed)
 
 
 def _bounds(kind: NDArray[np.int64], line: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -72,7 +77,7 @@ def _bounds(kind: NDArray[np.int64], line: NDArray[np.float64]) -> tuple[NDArray
     return (np.minimum(a, b) - radius).min(axis=0), (np.maximum(a, b) + radius).max(axis=0)
 
 
-@njit(cache=True)
+@kernel
 def _fill(
     kind: NDArray[np.int64],
     line: NDArray[np.float64],
