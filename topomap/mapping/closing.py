@@ -4,22 +4,22 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
 from pydantic import BaseModel, Field
 
 from topomap.contract import Aligner
-from topomap.geometry import FloatArray
+from topomap.geometry import Pose2
 from topomap.mapping.album import Album
 from topomap.mapping.backend.problem import ClosureEdge
-from topomap.mapping.chain import Chain
 from topomap.mapping.correction import Correction
 from topomap.mapping.evidence import GateSettings, OdometryGate
 from topomap.mapping.ledger import Ledger
-from topomap.mapping.odometry import EdgeIncrements
+from topomap.mapping.odometry import IntArray
 from topomap.mapping.offset import ClosureOffset, OffsetSettings
+from topomap.mapping.quorum import Quorum, QuorumSettings
 from topomap.mapping.recognition import Proposal
 from topomap.mapping.survey import Survey
 from topomap.mapping.verification import Outcome, Verification, VerificationSettings
+from topomap.mapping.ways import Ways
 from topomap.types import Candidate, Decision, Verdict
 
 
@@ -29,10 +29,12 @@ class ClosingSettings(BaseModel, frozen=True, extra="forbid"):
     verification: VerificationSettings = Field(default_factory=VerificationSettings)
     gate: GateSettings = Field(default_factory=GateSettings)
     offset: OffsetSettings = Field(default_factory=OffsetSettings)
+    quorum: QuorumSettings = Field(default_factory=QuorumSettings)
+    alone: float = Field(2.5, gt=0, description="places within reach all nearer than this need no quorum [m]")
 
 
 class Closing:
-    """Tests proposals by sight and by odometry and writes the verdicts into the ledger."""
+    """Tests proposals by sight, by odometry and by one another, and writes the verdicts into the ledger."""
 
     def __init__(
         self,
@@ -44,65 +46,78 @@ class Closing:
         correction: Correction,
     ) -> None:
         self._s = settings
-        self._verification = Verification(settings.verification, aligner)
-        self._gate = OdometryGate(settings.gate)
         self._survey, self._map, self._album = survey, survey.map, album
         self._ledger, self._correction = ledger, correction
+        self._verification = Verification(settings.verification, aligner)
+        self._gate = OdometryGate(settings.gate)
         self._offset = ClosureOffset(settings.offset)
+        self._quorum = Quorum(settings.quorum, survey.map)
+        self._ways = Ways(survey.map, correction, settings.offset.position_sigma, settings.gate.probability)
 
-    def judge(self, stamp_ns: int, proposal: Proposal) -> Decision:
-        """Return the verdict on a proposal, made at `stamp_ns` and kept in the ledger."""
+    def within_reach(self, nodes: IntArray) -> IntArray:
+        """Return those of some older nodes (n,) at which odometry allows the robot to be now."""
+        return self._ways.within_reach(self._survey.pose, nodes)
+
+    def judge(self, stamp_ns: int, proposal: Proposal | None) -> tuple[Decision, ...]:
+        """Return the verdicts of this step, on a proposal and on what waited for it; all are kept in the ledger."""
+        late = self._quorum.expired(self._survey.travel)
+        reason = "no other closure agreed in time, and odometry leaves several places open"
+        decisions = [self._ledger.decide(stamp_ns, c, Verdict.REFUSED, reason) for c in late]
+        if proposal is not None:
+            decisions += self._by_sight(stamp_ns, proposal)
+        return tuple(decisions)
+
+    def _by_sight(self, stamp_ns: int, proposal: Proposal) -> list[Decision]:
+        """Compare the likeliest places in detail; a clear winner goes on to the odometry's test."""
         outcome = self._verification.judge(
             proposal.moment.panorama, proposal.shortlist, self._album.panorama, self._map.length
         )
-        candidate = self._candidate(proposal, outcome)
         if outcome.objection:
-            return self._ledger.decide(stamp_ns, candidate, Verdict.REFUSED, outcome.objection)
-        return self._by_odometry(stamp_ns, candidate)
+            candidate = self._candidate(proposal, outcome, Pose2(0.0, 0.0, outcome.winner.alignment.rotation))
+            return [self._ledger.decide(stamp_ns, candidate, Verdict.REFUSED, outcome.objection)]
+        node = self._map.nodes[outcome.winner.match.node]
+        offset = self._offset.measure(outcome.winner, node.snapshot, proposal.moment.panorama.ranges)
+        candidate = self._candidate(proposal, outcome, offset.relative)
+        scores = {**candidate.scores, "share": offset.share}
+        return self._by_odometry(stamp_ns, proposal, replace(candidate, covariance=offset.covariance, scores=scores))
 
-    def _candidate(self, proposal: Proposal, outcome: Outcome) -> Candidate:
+    def _candidate(self, proposal: Proposal, outcome: Outcome, relative: Pose2) -> Candidate:
         winner = outcome.winner
-        offset = self._offset.measure(
-            winner, self._map.nodes[winner.match.node].snapshot, proposal.moment.panorama.ranges
-        )
-        scores = {
-            "difference": winner.match.difference,
-            "cost": winner.alignment.residual,
-            "ratio": outcome.ratio,
-            "share": offset.share,
-        }
+        cost = winner.alignment.residual
         return Candidate(
             proposal.moment.stamp_ns,
             winner.match.node,
             self._map.nodes[winner.match.node].stamp_ns,
-            offset.relative,
-            offset.covariance,
-            max(0.0, 1.0 - winner.alignment.residual),
-            scores=scores,
+            relative,
+            self._offset.same_spot,
+            max(0.0, 1.0 - cost),
+            scores={"difference": winner.match.difference, "cost": cost, "ratio": outcome.ratio},
         )
 
-    def _by_odometry(self, stamp_ns: int, candidate: Candidate) -> Decision:
-        """Hold a candidate that was believed by sight against the way between; accepted, the back end gets it."""
+    def _by_odometry(self, stamp_ns: int, proposal: Proposal, candidate: Candidate) -> list[Decision]:
+        """Hold a candidate that was believed by sight against the way between the two nodes."""
         query = self._survey.node_at(candidate.query_ns)
-        candidate = replace(candidate, query=query)
         expected = self._map.pose(candidate.match).to(self._map.pose(query))
-        finding = self._gate.judge(candidate, expected, self._way_covariance(candidate.match, query))
-        candidate = replace(candidate, scores={**candidate.scores, "sigmas": finding.score})
+        finding = self._gate.judge(candidate, expected, self._ways.covariance(candidate.match, query))
+        candidate = replace(candidate, query=query, scores={**candidate.scores, "sigmas": finding.score})
         if not finding.passed:
-            return self._ledger.decide(stamp_ns, candidate, Verdict.REFUSED, finding.reason)
-        edge = ClosureEdge(candidate.match, query, candidate.relative, candidate.covariance)
+            return [self._ledger.decide(stamp_ns, candidate, Verdict.REFUSED, finding.reason)]
+        if self._leaves_no_other(proposal, candidate.match):
+            return [self._accept(stamp_ns, candidate, finding.reason)]
+        agreeing = self._quorum.add(candidate)
+        if not agreeing:
+            reason = "odometry leaves several places open: waits for others that agree"
+            return [self._ledger.decide(stamp_ns, candidate, Verdict.PENDING, reason)]
+        return [self._accept(stamp_ns, c, f"{len(agreeing)} closures agree") for c in agreeing]
+
+    def _leaves_no_other(self, proposal: Proposal, match: int) -> bool:
+        """Whether all places that odometry allows lie around the winner."""
+        return all(self._map.length(place.node, match) < self._s.alone for place in proposal.moment.places)
+
+    def _accept(self, stamp_ns: int, candidate: Candidate, reason: str) -> Decision:
+        assert candidate.query is not None
+        edge = ClosureEdge(candidate.match, candidate.query, candidate.relative, candidate.covariance)
         self._map.close(edge)
         self._correction.believe(edge, candidate)
         seen = f"one place is alike (cost {candidate.scores['cost']:.2f}, ratio {candidate.scores['ratio']:.2f})"
-        return self._ledger.decide(stamp_ns, candidate, Verdict.ACCEPTED, f"{seen}; {finding.reason}")
-
-    def _way_covariance(self, match: int, query: int) -> FloatArray:
-        """Return the covariance (3, 3) of `match_from_query` along the route, across closures that stand if shorter."""
-        topo = self._map
-        edges = EdgeIncrements.of([increments for _, _, increments in topo.odometry_edges()])
-        way = edges.integrate(topo.calibration)
-        chain = Chain.of(topo.poses[topo.chain], way, topo.calibration, self._correction.covariance)
-        place = {node: i for i, node in enumerate(topo.chain)}
-        ends = np.array([(place[c.i], place[c.j]) for c in topo.closures], np.int64).reshape(-1, 2)
-        covariances = np.array([c.covariance for c in topo.closures]).reshape(-1, 3, 3)
-        return chain.covariance_via(place[match], place[query], ends[:, 0], ends[:, 1], covariances)
+        return self._ledger.decide(stamp_ns, candidate, Verdict.ACCEPTED, f"{seen}; {reason}")

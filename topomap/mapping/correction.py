@@ -43,6 +43,7 @@ class Correction:
         self._closures: list[tuple[ClosureEdge, Candidate]] = []
         self._covariance = np.diag(np.square(PRIOR_SIGMAS))
         self._solved_nodes = 0
+        self.solves = 0
 
     @property
     def due(self) -> bool:
@@ -55,7 +56,7 @@ class Correction:
 
     def solve(self, stamp_ns: int, ledger: Ledger) -> tuple[bool, list[Decision]]:
         """Ask the back end; apply a better result; return whether there was one and which verdicts it changed."""
-        self._solved_nodes = len(self._map.nodes)
+        self._solved_nodes, self.solves = len(self._map.nodes), self.solves + 1
         solution = solve(self._problem(), self._s.backend)
         self._covariance = solution.calibration_covariance
         if not solution.improved:

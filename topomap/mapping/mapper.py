@@ -49,8 +49,8 @@ class Mapper:
         self.survey.advance(reading.stamp_ns, reading.motion)
         difference = self._difference(panorama)
         added = self._keep(reading, panorama, difference)
-        place = self._recognition.update(reading.stamp_ns, self.survey.travel, panorama)
-        decisions = self._recognise(reading.stamp_ns)
+        place = self._recognition.search(self.survey.travel, panorama)
+        decisions = self._recognise(reading.stamp_ns, panorama)
         solved, reviewed = self._correct(reading.stamp_ns, decisions)
         self._previous = panorama
         return MapChange(
@@ -108,9 +108,12 @@ class Mapper:
             self.correction.neighbours.compare(self._last_snapshot, node, self.album)
         self._last_snapshot = node
 
-    def _recognise(self, stamp_ns: int) -> tuple[Decision, ...]:
-        proposal = self._recognition.proposal()
-        return () if proposal is None else (self._closing.judge(stamp_ns, proposal),)
+    def _recognise(self, stamp_ns: int, panorama: Panorama) -> tuple[Decision, ...]:
+        """Look among the places within reach and judge what is proposed."""
+        travel = self.survey.travel
+        reachable = self._closing.within_reach(self._recognition.old_nodes(travel))
+        self._recognition.update(stamp_ns, travel, panorama, reachable)
+        return self._closing.judge(stamp_ns, self._recognition.proposal())
 
     def _correct(self, stamp_ns: int, decisions: tuple[Decision, ...]) -> tuple[bool, list[Decision]]:
         closed = any(d.verdict is Verdict.ACCEPTED for d in decisions)

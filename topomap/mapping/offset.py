@@ -36,12 +36,15 @@ class Offset:
 
 
 class ClosureOffset:
-    """Measures a closure's relative pose by ranges; where these don't tell, the same spot is believed, less exactly."""
+    """Measures a closure's relative pose by ranges; where these don't tell, the same spot is believed, less exactly.
+
+    same_spot (3, 3): the covariance of that belief.
+    """
 
     def __init__(self, settings: OffsetSettings) -> None:
         self._s = settings
         heading, scan_heading = math.radians(settings.heading_sigma_deg), math.radians(settings.scan_heading_sigma_deg)
-        self._same_spot = np.diag([settings.position_sigma, settings.position_sigma, heading]) ** 2
+        self.same_spot = np.diag([settings.position_sigma, settings.position_sigma, heading]) ** 2
         self._floor = np.diag([settings.scan_sigma, settings.scan_sigma, scan_heading]) ** 2
 
     def measure(self, look: Look, place: Snapshot | None, ranges: Float32Array | None) -> Offset:
@@ -49,8 +52,8 @@ class ClosureOffset:
         spot = np.array([0.0, 0.0, look.alignment.rotation])
         match = self._best_match(look, place, ranges)
         if match is None:
-            return Offset(Pose2.of(spot), self._same_spot, 0.0)
-        measured, believed = np.linalg.inv(match.covariance + self._floor), np.linalg.inv(self._same_spot)
+            return Offset(Pose2.of(spot), self.same_spot, 0.0)
+        measured, believed = np.linalg.inv(match.covariance + self._floor), np.linalg.inv(self.same_spot)
         covariance = np.linalg.inv(measured + believed)
         away = match.relative - spot
         away[2] = wrap(float(away[2]))

@@ -1,4 +1,4 @@
-"""Place search: which older node looks most like the current view, and when it looked most alike."""
+"""Place search: which older places look like the current view, and when one looked most alike."""
 
 from __future__ import annotations
 
@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from pydantic import BaseModel, Field
 
-from topomap.geometry import FloatArray
+from topomap.mapping.odometry import IntArray
+from topomap.mapping.place_index import PlaceIndex
 from topomap.types import PlaceMatch
-from topomap.vision.compare import SignatureBank, signature
+from topomap.vision.compare import signature
 from topomap.vision.panorama import Panorama
 
 
@@ -21,35 +22,35 @@ class RecognitionSettings(BaseModel, frozen=True, extra="forbid"):
     threshold: float = Field(0.9, gt=0, description="image difference above which nothing is proposed")
     lag: int = Field(2, ge=1, description="steps to either side over which the difference has its minimum")
     shortlist: int = Field(8, ge=1, description="most similar nodes that are compared in detail")
+    compared: int = Field(400, ge=1, description="nodes within reach that are compared; of more, the most similar")
     pause: float = Field(0.3, ge=0, description="way between proposals [m]")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Moment:
-    """One step as place search saw it: stamp, raw odometer way [m], view, and difference and rotation [rad] (N,) to
-    the snapshots so far (infinite where they are too recent)."""
+    """One step as place search saw it: stamp, raw odometer way [m], view, and the places within reach, best first."""
 
     stamp_ns: int
     travel: float
     panorama: Panorama
-    difference: FloatArray
-    rotation: FloatArray
+    places: tuple[PlaceMatch, ...]
+    difference: dict[int, float]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Proposal:
-    """A moment at which the best older place looked most alike, and the nodes to compare it with, best first."""
+    """A moment at which the best place within reach looked most alike, and the nodes to compare it with, best first."""
 
     moment: Moment
     shortlist: tuple[PlaceMatch, ...]
 
 
 class Recognition:
-    """Compares every view with all older snapshots at all rotations, and proposes at local minima."""
+    """Compares every view with the older snapshots at all rotations, and proposes at local minima."""
 
     def __init__(self, settings: RecognitionSettings) -> None:
         self._s = settings
-        self._bank = SignatureBank()
+        self._index = PlaceIndex()
         self._nodes: list[int] = []
         self._travel: list[float] = []
         self._recent: deque[Moment] = deque(maxlen=2 * settings.lag + 1)
@@ -57,35 +58,54 @@ class Recognition:
 
     def add(self, node: int, travel: float, panorama: Panorama) -> None:
         """Make a snapshot node findable; `travel` is the raw odometer way at it [m]."""
-        self._bank.add(signature(panorama))
+        self._index.add(signature(panorama))
         self._nodes.append(node)
         self._travel.append(travel)
 
-    def update(self, stamp_ns: int, travel: float, panorama: Panorama) -> PlaceMatch | None:
-        """Take this step's view; return the most similar older node, if there is any."""
-        # the snapshots are in travel order: only a head of the bank is old enough
-        old = int(np.searchsorted(self._travel, travel - self._s.min_travel, side="right"))
-        found = self._bank.compare(signature(panorama), old)
-        self._recent.append(Moment(stamp_ns, travel, panorama, found.difference.astype(float), found.rotation))
-        return self._match(self._recent[-1], int(np.argmin(found.difference))) if old else None
+    def old_nodes(self, travel: float) -> IntArray:
+        """Return the snapshot nodes that lie far enough back on the way to be seen again."""
+        return np.array(self._nodes[: self._old(travel)], np.int64)
+
+    def search(self, travel: float, panorama: Panorama) -> PlaceMatch | None:
+        """Return the older node most like the view, wherever it lies; None where there is none."""
+        places, found = self._index.search(signature(panorama), 1, self._old(travel))
+        if not len(places):
+            return None
+        return PlaceMatch(self._nodes[places[0]], float(found.difference[0]), float(found.rotation[0]))
+
+    def update(self, stamp_ns: int, travel: float, panorama: Panorama, reachable: IntArray) -> None:
+        """Take this step's view and the nodes at which odometry allows it to be taken."""
+        view = signature(panorama)
+        places: IntArray = np.searchsorted(self._nodes, reachable).astype(np.int64)
+        if len(places) > self._s.compared:
+            likely, _ = self._index.search(view, self._s.compared, self._old(travel))
+            places = np.intersect1d(places, likely)
+        found = self._index.compare(view, places)
+        order = np.argsort(found.difference, kind="stable")
+        matches = tuple(
+            PlaceMatch(self._nodes[places[i]], float(found.difference[i]), float(found.rotation[i]))
+            for i in order.tolist()
+        )
+        differences = {match.node: match.difference for match in matches}
+        self._recent.append(Moment(stamp_ns, travel, panorama, matches, differences))
 
     def proposal(self) -> Proposal | None:
-        """Return the moment `lag` steps ago if the view was then most like an older place, once a pass."""
+        """Return the moment `lag` steps ago if the view was then most like a place within reach, once a pass."""
         if len(self._recent) < 2 * self._s.lag + 1:
             return None
         moment = self._recent[self._s.lag]
-        if not len(moment.difference) or moment.travel - self._last_proposal < self._s.pause:
+        if not moment.places or moment.travel - self._last_proposal < self._s.pause:
             return None
-        best = int(np.argmin(moment.difference))
-        if moment.difference[best] > self._s.threshold or not self._is_minimum(best):
+        best = moment.places[0]
+        if best.difference > self._s.threshold or not self._is_minimum(best.node):
             return None
         self._last_proposal = moment.travel
-        order = np.argsort(moment.difference, kind="stable")[: self._s.shortlist]
-        return Proposal(moment, tuple(self._match(moment, int(i)) for i in order))
+        return Proposal(moment, moment.places[: self._s.shortlist])
 
-    def _is_minimum(self, index: int) -> bool:
-        curve = [m.difference[index] if index < len(m.difference) else np.inf for m in self._recent]
+    def _is_minimum(self, node: int) -> bool:
+        curve = [moment.difference.get(node, np.inf) for moment in self._recent]
         return int(np.argmin(curve)) == self._s.lag
 
-    def _match(self, moment: Moment, index: int) -> PlaceMatch:
-        return PlaceMatch(self._nodes[index], float(moment.difference[index]), float(moment.rotation[index]))
+    def _old(self, travel: float) -> int:
+        # the snapshots are in travel order: a head of them is old enough
+        return int(np.searchsorted(self._travel, travel - self._s.min_travel, side="right"))

@@ -1,0 +1,59 @@
+"""Closures that wait for one another: where odometry leaves several places open, one view alone decides nothing."""
+
+from __future__ import annotations
+
+import math
+
+from pydantic import BaseModel, Field
+
+from topomap.mapping.graph import TopoMap
+from topomap.types import Candidate
+
+
+class QuorumSettings(BaseModel, frozen=True, extra="forbid"):
+    """How many closures must agree where odometry leaves the place open."""
+
+    votes: int = Field(3, ge=1, description="closures that must agree, the new one included")
+    within: float = Field(8.0, gt=0, description="way on which they must come [m]")
+    distance: float = Field(0.4, gt=0, description="how far they may disagree [m] ...")
+    share: float = Field(0.05, ge=0, description="... plus this share of the way between them")
+    angle_deg: float = Field(10.0, gt=0, description="how far their rotations may disagree [degree]")
+
+
+class Quorum:
+    """Keeps candidates until enough of them tell the same shift of the map, in either driving direction."""
+
+    def __init__(self, settings: QuorumSettings, topo: TopoMap) -> None:
+        self._s = settings
+        self._map = topo
+        self._waiting: list[Candidate] = []
+
+    def add(self, candidate: Candidate) -> tuple[Candidate, ...]:
+        """Take a candidate with a query node; return all that agree with it, itself last, or none yet."""
+        agreeing = tuple(other for other in self._waiting if self._agree(other, candidate))
+        self._waiting.append(candidate)
+        if len(agreeing) + 1 < self._s.votes:
+            return ()
+        self._waiting = [c for c in self._waiting if c not in agreeing and c is not candidate]
+        return (*agreeing, candidate)
+
+    def expired(self, travel: float) -> tuple[Candidate, ...]:
+        """Return and forget those that nothing supported in time; `travel`: the raw odometer way now [m]."""
+        late = tuple(c for c in self._waiting if travel - self._travel(c) > self._s.within)
+        self._waiting = [c for c in self._waiting if c not in late]
+        return late
+
+    def _agree(self, a: Candidate, b: Candidate) -> bool:
+        """Whether b lies where a and the odometry between them say."""
+        assert a.query is not None
+        assert b.query is not None
+        way = self._map.pose(a.query).to(self._map.pose(b.query))
+        told = self._map.pose(a.match) @ a.relative @ way
+        found = self._map.pose(b.match) @ b.relative
+        error = told.to(found)
+        allowed = self._s.distance + self._s.share * abs(self._travel(b) - self._travel(a))
+        return math.hypot(error.x, error.y) <= allowed and abs(error.heading) <= math.radians(self._s.angle_deg)
+
+    def _travel(self, candidate: Candidate) -> float:
+        assert candidate.query is not None
+        return self._map.nodes[candidate.query].travel
