@@ -15,6 +15,7 @@ from sim2d.camera import Camera
 from sim2d.config import CameraConfig, LaserConfig
 from sim2d.errors import WorldError
 from sim2d.laser import Laser
+from sim2d.shapes import Grid
 from sim2d.world import World
 from topomap.errors import DataError
 from topomap.geometry import FloatArray
@@ -26,6 +27,8 @@ from topomap.vision.panorama import Panorama
 NOISE_TABLE = 1 << 20
 CLEARANCE = 0.25
 """Grid positions keep this distance [m] from everything: the robot's radius and a little more."""
+GRID_CLEARANCE = 0.05
+"""Declared positions are only dropped [m] where the camera itself would stand in something."""
 SPACINGS = (0.2, 0.3, 0.4, 0.5, 0.75, 1.0)
 MOST_POSITIONS = 700
 
@@ -67,7 +70,8 @@ class WorldViews:
 
     def _grainy(self, image: Image, rng: np.random.Generator) -> Image:
         grain = np.resize(np.roll(self._table, -int(rng.integers(NOISE_TABLE))), image.shape)
-        return np.clip(image + grain, 0, 255).astype(np.uint8)
+        noisy: Image = np.clip(image + grain, 0, 255).astype(np.uint8)
+        return noisy
 
     def _measured(self, ranges: FloatArray, rng: np.random.Generator) -> FloatArray:
         noisy = ranges + rng.normal(0.0, self._laser_config.noise, len(ranges))
@@ -97,11 +101,14 @@ def world_arena(name: str, seed: int, options: tuple[str, ...]) -> Arena:
 
 
 def free_grid(views: WorldViews) -> tuple[FloatArray, float]:
-    """Return the positions (N, 2) [m] that can be reached from the world's goal over a grid, and its spacing [m].
+    """Return the free positions (N, 2) [m] of the world's grid and its spacing [m].
 
-    The narrowest usual spacing that needs at most `MOST_POSITIONS`.
+    A world that declares none gets those that can be reached from its goal, at the narrowest usual spacing that needs
+    at most `MOST_POSITIONS`.
     """
     spec = views.world.spec
+    if spec.grid is not None:
+        return _declared(views, spec.grid), spec.grid.spacing
     anchor = spec.goal or spec.route.ring[0]
     for spacing in SPACINGS:
         found = _flood(views, anchor, spacing)
@@ -110,9 +117,16 @@ def free_grid(views: WorldViews) -> tuple[FloatArray, float]:
     return found, spacing
 
 
+def _declared(views: WorldViews, grid: Grid) -> FloatArray:
+    cells = [(i, j) for j in range(grid.rows) for i in range(grid.columns)]
+    points = [_point(grid.origin, cell, grid.spacing) for cell in cells]
+    return np.array([point for point in points if views.nearest_thing(point) > GRID_CLEARANCE])
+
+
 def _flood(views: WorldViews, anchor: Point, spacing: float) -> FloatArray:
     start = (0, 0)
-    seen, free, waiting = {start}, [], deque([start])
+    seen, waiting = {start}, deque([start])
+    free: list[tuple[int, int]] = []
     while waiting and len(free) <= MOST_POSITIONS:
         cell = waiting.popleft()
         here = _point(anchor, cell, spacing)

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
-from dataclasses import dataclass
-from pathlib import Path
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -21,8 +19,8 @@ Point = tuple[float, float]
 class Arena:
     """Views over a grid of free positions.
 
-    positions (N, 2) [m]; spacing of the grid [m]; continuous: there are views between the positions as well; home: where
-    to home to unless told otherwise [m].
+    positions (N, 2) [m]; spacing of the grid [m]; continuous: there are views between the positions as well; home:
+    where to home to unless told otherwise [m].
     """
 
     name: str
@@ -31,7 +29,7 @@ class Arena:
     spacing: float
     continuous: bool
     home: Point
-    plan: Plan = Plan()
+    plan: Plan = field(default_factory=Plan)
 
     def index(self, point: Point) -> int:
         """Return the grid position nearest to a point [m]. Raises DataError where none is within 0.75 spacings."""
@@ -104,16 +102,3 @@ def bearings_home(positions: FloatArray, home: Point) -> FloatArray:
     way = np.asarray(home) - positions
     direction: FloatArray = np.arctan2(way[:, 1], way[:, 0])
     return np.where(np.hypot(way[:, 0], way[:, 1]) > 1e-9, direction, np.nan)
-
-
-def cardinal(point: Point, distance: float, quarter: int) -> Point:
-    """Return the point a distance [m] from another along +x (0), +y (1), -x (2) or -y (3)."""
-    angle = quarter * math.pi / 2
-    return point[0] + distance * round(math.cos(angle)), point[1] + distance * round(math.sin(angle))
-
-
-def check_folder(folder: Path) -> Path:
-    """Return the folder. Raises DataError where there is none."""
-    if not folder.is_dir():
-        raise DataError(f"{folder}: no such folder")
-    return folder

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import BaseModel, Field
 
 from topomap.errors import DataError
@@ -31,31 +32,39 @@ class BenchSettings(BaseModel, frozen=True, extra="forbid"):
     compass: str = Field(GIVEN, description="given, or the aligner or row (A1, A6) that finds the rotation")
     starts: int = Field(8, ge=0, le=1000, description="positions from which homing is iterated in the world, a seed")
     walking: WalkSettings = Field(default_factory=WalkSettings, description="how the robot is moved")
+    within: float | None = Field(None, gt=0, description="count only places at most this far from home [m]")
     draws: int = Field(2000, ge=100, le=100_000, description="resamples of the bootstrap")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Ground:
-    """One seed of one environment with its home: recipe, survey, index of home and the compass at every position."""
+    """One seed of one environment with its home: recipe, survey, home [m] and the compass at every position.
+
+    within [m]: only places this near to home count.
+    """
 
     recipe: Recipe
     survey: Survey
     home: Point
     turns: Turns
+    within: float = math.inf
 
     @property
-    def away(self) -> FloatArray:
-        """Which positions (N,) aren't home."""
-        return np.isfinite(bearings_home(self.survey.positions, self.home))
+    def away(self) -> NDArray[np.bool_]:
+        """Which positions (N,) count: all but home itself."""
+        near = np.hypot(*(self.survey.positions - np.asarray(self.home)).T) <= self.within + 1e-9
+        away: NDArray[np.bool_] = near & np.isfinite(bearings_home(self.survey.positions, self.home))
+        return away
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Entry:
-    """A method's answers on every ground of an environment, in the grounds' order."""
+    """A method's answers on every ground of an environment, in the grounds' order; acting: a policy, walks only."""
 
     name: str
     grounds: tuple[Ground, ...]
     fields: tuple[HomeField, ...]
+    acting: bool = False
 
     @property
     def unfit(self) -> str | None:
@@ -74,7 +83,7 @@ class Entry:
     def grid_walks(self) -> list[Walk]:
         """Return the walks through the vector fields, from all places but home."""
         pairs = zip(self.grounds, self.fields, strict=True)
-        return [walk for g, f in pairs for walk in grid_walks(g.survey, g.home, f.directions)]
+        return [walk for g, f in pairs for walk in grid_walks(g.survey, g.home, f.directions, g.away)]
 
     def walks(self) -> list[tuple[Walk, Point]]:
         """Return the walks in the continuous world, each with its home."""
@@ -89,7 +98,7 @@ class Entry:
 class Row:
     """A line of the table. Errors in degrees, shares in [0, 1], times in milliseconds, None where it wasn't measured.
 
-    mean with Student's 95 % interval; sd; median; below 45, 45 to 90 and above 90 degrees and the catchment with Wilson's;
+    mean with Student's 95 % interval; sd; median; below 45, 45 to 90, above 90 degrees and catchment with Wilson's;
     answered: share of places with an answer; success and path_ratio of iterated homing in the world (path ratio of the
     walks that reached home); behind: mean minus the best method's, paired bootstrap; unfit: why there are no figures.
     """
@@ -144,7 +153,8 @@ def bench(
     surveys = workers.run([SurveyTask(recipe) for recipe in recipes], advance)
     homes = [_home(survey, home) for survey in surveys]
     turns = workers.run([TurnsTask(r, h, aligner) for r, h in zip(recipes, homes, strict=True)], advance)
-    grounds = [Ground(*row) for row in zip(recipes, surveys, homes, turns, strict=True)]
+    near = settings.within or math.inf
+    grounds = [Ground(*row, near) for row in zip(recipes, surveys, homes, turns, strict=True)]
     asked = [
         FieldTask(g.recipe, g.home, contestant, aligner, settings.starts, settings.walking, g.turns)
         for g in grounds
@@ -183,7 +193,9 @@ def _table(
 ) -> Table:
     own = [k for k, ground in enumerate(grounds) if ground.recipe.name == name]
     kept = tuple(grounds[k] for k in own)
-    entries = [Entry(c.name, kept, tuple(fields[k][m] for k in own)) for m, c in enumerate(contestants)]
+    entries = [
+        Entry(c.name, kept, tuple(fields[k][m] for k in own), c.policy is not None) for m, c in enumerate(contestants)
+    ]
     rows = _rows(entries, settings)
     order = sorted(range(len(rows)), key=lambda m: (_rank(rows[m]), m))
     error, ms = _compass(kept) if settings.compass != GIVEN else (None, None)
@@ -199,12 +211,13 @@ def _table(
 
 
 def _rows(entries: Sequence[Entry], settings: BenchSettings) -> list[Row]:
-    errors = {entry.name: entry.errors() for entry in entries if entry.unfit is None}
+    errors = {entry.name: entry.errors() for entry in entries if entry.unfit is None and not entry.acting}
     best = min(errors, key=lambda name: float(errors[name].mean()), default=None)
     rows = []
     for entry in entries:
-        if best is None or entry.unfit is not None:
-            rows.append(Row(entry.name, 0, unfit=entry.unfit))
+        if best is None or entry.name not in errors:
+            success, ratio = _success(entry, settings.walking.reach)
+            rows.append(Row(entry.name, 0, success=success, path_ratio=ratio, unfit=entry.unfit))
             continue
         # the same resamples for every method
         behind = paired_bootstrap(errors[entry.name], errors[best], np.random.default_rng(0), settings.draws)
@@ -213,8 +226,8 @@ def _rows(entries: Sequence[Entry], settings: BenchSettings) -> list[Row]:
 
 
 def _row(entry: Entry, errors: FloatArray, behind: Interval, reach: float) -> Row:
-    count, grid, walks = len(errors), entry.grid_walks(), entry.walks()
-    ratios = [walk.ratio(home, reach) for walk, home in walks if walk.reached]
+    count, grid = len(errors), entry.grid_walks()
+    success, ratio = _success(entry, reach)
     return Row(
         entry.name,
         count,
@@ -226,11 +239,18 @@ def _row(entry: Entry, errors: FloatArray, behind: Interval, reach: float) -> Ro
         share_interval(int(np.sum(errors >= 90.0)), count),
         entry.answered(),
         share_interval(sum(walk.reached for walk in grid), len(grid)),
-        share_interval(len(ratios), len(walks)) if walks else None,
-        float(np.mean(ratios)) if ratios else None,
+        success,
+        ratio,
         behind,
         float(np.median(np.concatenate([f.ms for f in entry.fields]))),
     )
+
+
+def _success(entry: Entry, reach: float) -> tuple[Interval | None, float | None]:
+    walks = entry.walks()
+    ratios = [walk.ratio(home, reach) for walk, home in walks if walk.reached]
+    share = share_interval(len(ratios), len(walks)) if walks else None
+    return share, float(np.mean(ratios)) if ratios else None
 
 
 def _rank(row: Row) -> float:

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import dataclass, field
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from topomap.contract import Aligner
 from topomap.errors import DataError
 from topomap.geometry import TAU, FloatArray, Pose2, wrap
 from topomap.study.homing_arena import Arena, Point, Recipe, spread
-from topomap.study.homing_contestant import Bound, Contestant, view_at
-from topomap.study.homing_walk import Walk, WalkSettings, catchment, walk
+from topomap.study.homing_contestant import Bound, Contestant, Looks, view_at
+from topomap.study.homing_walk import Eyes, Walk, WalkSettings, catchment, policy_walk, walk
 from topomap.types import Plan
 from topomap.vision.panorama import Panorama
 
@@ -111,7 +113,7 @@ class FieldTask:
     contestant: Contestant
     aligner: Aligner | None
     starts: int = 0
-    walking: WalkSettings = WalkSettings()
+    walking: WalkSettings = field(default_factory=WalkSettings)
     turns: Turns | None = field(default=None, compare=False)
 
     @property
@@ -126,10 +128,13 @@ class FieldTask:
         goal = view_at(arena.source, arena.at(arena.index(self.home)))
         count = len(arena.positions)
         try:
-            bound = self.contestant.bind(goal)
+            bound = self.contestant.bind(goal, self._around(arena))
         except DataError as error:
             return HomeField(np.full(count, np.nan), np.full(count, np.nan), unfit=str(error))
         turns = self.turns or Turns(np.zeros(count), np.zeros(count), np.zeros(count))
+        if self.contestant.policy is not None:
+            nothing = np.full(count, np.nan)
+            return HomeField(nothing, nothing, self._walks(arena, goal, bound))
         directions, ms = _ask(bound, self.recipe, turns)
         return HomeField(directions, ms, self._walks(arena, goal, bound))
 
@@ -141,13 +146,27 @@ class FieldTask:
         turned = self.aligner is not None
         headings = random_headings(self.recipe.seed, len(starts), goal.rig.width) if turned else np.zeros(len(starts))
 
+        eyes = Eyes(arena.source, goal, self.aligner if bound.aligned else None)
+        poses = [Pose2(*arena.at(start), float(psi)) for start, psi in zip(starts, headings, strict=True)]
+        if self.contestant.policy is not None:
+            return tuple(policy_walk(self.contestant.policy, eyes, pose, home, self.walking) for pose in poses)
+
         def steer(pose: Pose2) -> tuple[float, Panorama]:
-            seen = arena.source.view(pose.x, pose.y, pose.heading)
-            rotation = self.aligner.align(seen, goal).rotation if self.aligner and bound.aligned else 0.0
+            seen, rotation = eyes.look(pose)
             return bound.direction(seen, pose.heading, rotation), seen
 
-        poses = [Pose2(*arena.at(start), float(psi)) for start, psi in zip(starts, headings, strict=True)]
         return tuple(walk(steer, pose, home, turned, self.walking) for pose in poses)
+
+    def _around(self, arena: Arena) -> Looks:
+        x, y = arena.at(arena.index(self.home))
+
+        def look(dx: float, dy: float) -> Panorama:
+            if arena.continuous:
+                return view_at(arena.source, (x + dx, y + dy))
+            whole = max(round(math.hypot(dx, dy) / arena.spacing), 1) * arena.spacing  # the next position there is
+            return view_at(arena.source, (x + whole * (dx != 0), y + whole * (dy != 0)))
+
+        return look
 
 
 def random_headings(seed: int, count: int, width: int) -> FloatArray:
@@ -156,10 +175,10 @@ def random_headings(seed: int, count: int, width: int) -> FloatArray:
     return np.array([wrap(float(k) * TAU / width) for k in rng.integers(width, size=count)])
 
 
-def grid_walks(survey: Survey, home: Point, directions: FloatArray) -> list[Walk]:
-    """Return the walks through a vector field from every position but home."""
+def grid_walks(survey: Survey, home: Point, directions: FloatArray, starts: NDArray[np.bool_]) -> list[Walk]:
+    """Return the walks through a vector field from the positions that `starts` (N,) marks."""
     walks = catchment(survey.positions, directions, home, survey.spacing)
-    return [w for w, p in zip(walks, survey.positions, strict=True) if not np.allclose(p, home)]
+    return [walk for walk, counts in zip(walks, starts, strict=True) if counts]
 
 
 def _ask(bound: Bound, recipe: Recipe, turns: Turns) -> tuple[FloatArray, FloatArray]:

@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from pydantic import BaseModel, Field
 
+from topomap.contract import Aligner, ViewSource
 from topomap.geometry import TAU, FloatArray, Pose2, wrap
 from topomap.study.homing_arena import Point
+from topomap.vision.homing.goal_view import HomingPolicy
 from topomap.vision.panorama import Panorama
 
 SLIDES = (0.0, 40.0, -40.0, 80.0, -80.0)
@@ -23,6 +26,7 @@ class WalkSettings(BaseModel, frozen=True, extra="forbid"):
     step: float = Field(0.12, gt=0, le=1, description="length of a step [m]")
     reach: float = Field(0.2, gt=0, le=2, description="home counts as reached within this distance [m]")
     longest: float = Field(2.5, ge=1, le=20, description="longest path, as a multiple of the direct one")
+    longest_policy: float = Field(10.0, ge=1, le=100, description="the same for policies, which move to look")
     clearance: float = Field(0.2, ge=0, le=1, description="what must stay free ahead after a step [m]")
 
 
@@ -66,6 +70,40 @@ def walk(steer: Steer, start: Pose2, home: Point, turning: bool, settings: WalkS
         heading = free if turning else pose.heading
         pose = Pose2(pose.x + settings.step * math.cos(free), pose.y + settings.step * math.sin(free), heading)
         path.append((pose.x, pose.y))
+    return Walk(np.array(path), math.dist(path[-1], home) <= settings.reach)
+
+
+@dataclass(frozen=True, slots=True)
+class Eyes:
+    """Views on the way, with what the compass says of them against the goal's; aligner None: they are aligned."""
+
+    source: ViewSource
+    goal: Panorama
+    aligner: Aligner | None
+
+    def look(self, pose: Pose2) -> tuple[Panorama, float]:
+        """Return the view at a pose and its rotation [rad]."""
+        seen = self.source.view(pose.x, pose.y, pose.heading)
+        return seen, self.aligner.align(seen, self.goal).rotation if self.aligner else 0.0
+
+
+def policy_walk(policy: HomingPolicy[Any], eyes: Eyes, start: Pose2, home: Point, settings: WalkSettings) -> Walk:
+    """Walk as a policy says, each move as long as it wants, for up to `longest_policy` times the direct way."""
+    pose, path, state = start, [(start.x, start.y)], policy.start(eyes.goal)
+    left = settings.longest_policy * math.dist(path[0], home)
+    while left > 0 and math.dist(path[-1], home) > settings.reach:
+        seen, rotation = eyes.look(pose)
+        columns = seen.columns(rotation)
+        state, move = policy.step(state, seen.rolled(columns))
+        if move.confidence <= 0.0 or not move.distance:
+            break
+        wanted = wrap(move.bearing - columns * TAU / seen.rig.width + pose.heading)
+        free = _free_direction(seen, pose, wanted, settings.model_copy(update={"step": move.distance}))
+        if free is None:
+            break
+        pose = Pose2(pose.x + move.distance * math.cos(free), pose.y + move.distance * math.sin(free), pose.heading)
+        path.append((pose.x, pose.y))
+        left -= move.distance
     return Walk(np.array(path), math.dist(path[-1], home) <= settings.reach)
 
 
