@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,8 +12,10 @@ from numpy.typing import NDArray
 
 from sim2d import scene as scenes
 from sim2d.atlas import Atlas, AtlasBuilder
+from sim2d.daylight import EVEN, daylight_at
 from sim2d.errors import WorldError
-from sim2d.shapes import Box, Cylinder, Gate, Look, Point, Spec, Wall
+from sim2d.people import People
+from sim2d.shapes import Box, Cylinder, Gate, Look, Person, Point, Spec, Wall
 
 STATIC = 0b1
 ROBOT = 0b10
@@ -52,6 +55,9 @@ class World:
         self._due = [False] * len(spec.gates)
         self._solids = 0
         self._scene: tuple[int, scenes.Scene] | None = None
+        self._things: list[tuple[Box | Cylinder, pymunk.Shape]] = []
+        self.people = People(self.space)
+        self.daylight = EVEN
         builder = AtlasBuilder(seed)
         self.floor = builder.ground(spec.floor)
         self.ceiling = builder.ground(spec.ceiling)
@@ -63,13 +69,44 @@ class World:
             self._add_cylinder(cylinder, builder)
         for gate in spec.gates:
             self._add_gate(gate, builder)
-        self.atlas: Atlas = builder.build()
+        self._builder = builder
+        self.add_people(spec.people)
 
     def scene(self) -> scenes.Scene:
         """Return the surfaces as they stand now; extracted once per change."""
         if self._scene is None or self._scene[0] != self.version:
-            self._scene = (self.version, scenes.build(_surfaces(self._skins)))
-        return self._scene[1]
+            surfaces = self.people.append_to(_surfaces(self._skins))
+            self._scene = (self.version, scenes.build(surfaces, len(self.people)))
+        scene = self._scene[1]
+        self.people.place(scene.line, scene.along)
+        return scene
+
+    def add_people(self, persons: Iterable[Person]) -> None:
+        """Add people at the start of their routes. Raises WorldError for one that can't walk."""
+        self.people.add(persons, self._builder)
+        self.atlas: Atlas = self._builder.build()
+        self.version += 1
+
+    def set_hour(self, hour: float | None) -> None:
+        """Light the world by its lamps and windows at an hour of the day, or evenly (None)."""
+        self._builder.repaint(hour)
+        self.daylight = EVEN if hour is None else daylight_at(self.spec, self.scene(), hour)
+
+    def things(self, name: str) -> tuple[Box | Cylinder, ...]:
+        """Return the boxes and cylinders of a name as they stand now."""
+        return tuple(thing for thing, _ in self._things if thing.name == name)
+
+    def replace_thing(self, old: Box | Cylinder, new: Box | Cylinder) -> None:
+        """Put a thing where it stands now: same size and look, other place."""
+        k = next(k for k, (thing, _) in enumerate(self._things) if thing is old)
+        shape = self._things.pop(k)[1]
+        self.space.remove(shape)
+        del self._skins[shape]
+        if isinstance(new, Box):
+            self._add_box(new, self._builder)
+        else:
+            self._add_cylinder(new, self._builder)
+        self.version += 1
 
     def open_gates(self, laps: float, seconds: float = 0.0, metres: float = 0.0) -> bool:
         """Open and close every door that has become due since the last call; return whether one moved."""
@@ -124,13 +161,16 @@ class World:
         shape = pymunk.Poly(self.space.static_body, points)
         # pymunk may begin with another corner: the surface coordinate starts where it begins
         self._add(shape, box.height, tile, _offset(points, shape.get_vertices()[0]))
+        self._things.append((box, shape))
 
     def _add_cylinder(self, cylinder: Cylinder, builder: AtlasBuilder) -> None:
         if not cylinder.radius > 0:
             raise WorldError(f"cylinder {cylinder.name!r} of {self.name} needs a radius above 0")
         tile = _tile(builder, cylinder.look, math.tau * cylinder.radius, cylinder.height)
         offset = (cylinder.x, cylinder.y)
-        self._add(pymunk.Circle(self.space.static_body, cylinder.radius, offset), cylinder.height, tile, 0.0)
+        shape = pymunk.Circle(self.space.static_body, cylinder.radius, offset)
+        self._add(shape, cylinder.height, tile, 0.0)
+        self._things.append((cylinder, shape))
 
     def _add_gate(self, gate: Gate, builder: AtlasBuilder) -> None:
         tile = _tile(builder, gate.look, math.dist(gate.a, gate.b), gate.height)

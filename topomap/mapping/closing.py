@@ -30,7 +30,9 @@ class ClosingSettings(BaseModel, frozen=True, extra="forbid"):
     gate: GateSettings = Field(default_factory=GateSettings)
     offset: OffsetSettings = Field(default_factory=OffsetSettings)
     quorum: QuorumSettings = Field(default_factory=QuorumSettings)
-    alone: float = Field(2.5, gt=0, description="places within reach all nearer than this need no quorum [m]")
+    alone: float = Field(
+        1.2, gt=0, description="where odometry knows the place better than this, it leaves no other [m]"
+    )
 
 
 class Closing:
@@ -68,18 +70,28 @@ class Closing:
         return tuple(decisions)
 
     def _by_sight(self, stamp_ns: int, proposal: Proposal) -> list[Decision]:
-        """Compare the likeliest places in detail; a clear winner goes on to the odometry's test."""
+        """Compare the likeliest places in detail; a clear winner goes on to the odometry's test.
+
+        Where odometry leaves several places open, the true one may not be on the map at all: then what looks alike
+        elsewhere, out of reach, tells how much a likeness is worth.
+        """
+        open_places = self._ways.reach(proposal.places[0].node) > self._s.alone
+        places = {p.node: p for p in (*proposal.places, *(proposal.rivals if open_places else ()))}
         outcome = self._verification.judge(
-            proposal.moment.panorama, proposal.shortlist, self._album.panorama, self._map.length
+            proposal.moment.panorama, tuple(places.values()), self._album.panorama, self._map.length
         )
-        if outcome.objection:
+        objection = outcome.objection
+        if not objection and outcome.winner.match.node not in proposal.moment.difference:
+            objection = "the place most alike is out of the odometry's reach"
+        if objection:
             candidate = self._candidate(proposal, outcome, Pose2(0.0, 0.0, outcome.winner.alignment.rotation))
-            return [self._ledger.decide(stamp_ns, candidate, Verdict.REFUSED, outcome.objection)]
+            return [self._ledger.decide(stamp_ns, candidate, Verdict.REFUSED, objection)]
         node = self._map.nodes[outcome.winner.match.node]
         offset = self._offset.measure(outcome.winner, node.snapshot, proposal.moment.panorama.ranges)
         candidate = self._candidate(proposal, outcome, offset.relative)
         scores = {**candidate.scores, "share": offset.share}
-        return self._by_odometry(stamp_ns, proposal, replace(candidate, covariance=offset.covariance, scores=scores))
+        candidate = replace(candidate, covariance=offset.covariance, scores=scores)
+        return self._by_odometry(stamp_ns, candidate, open_places)
 
     def _candidate(self, proposal: Proposal, outcome: Outcome, relative: Pose2) -> Candidate:
         winner = outcome.winner
@@ -94,7 +106,7 @@ class Closing:
             scores={"difference": winner.match.difference, "cost": cost, "ratio": outcome.ratio},
         )
 
-    def _by_odometry(self, stamp_ns: int, proposal: Proposal, candidate: Candidate) -> list[Decision]:
+    def _by_odometry(self, stamp_ns: int, candidate: Candidate, open_places: bool) -> list[Decision]:
         """Hold a candidate that was believed by sight against the way between the two nodes."""
         query = self._survey.node_at(candidate.query_ns)
         expected = self._map.pose(candidate.match).to(self._map.pose(query))
@@ -102,17 +114,13 @@ class Closing:
         candidate = replace(candidate, query=query, scores={**candidate.scores, "sigmas": finding.score})
         if not finding.passed:
             return [self._ledger.decide(stamp_ns, candidate, Verdict.REFUSED, finding.reason)]
-        if self._leaves_no_other(proposal, candidate.match):
+        if not open_places:
             return [self._accept(stamp_ns, candidate, finding.reason)]
         agreeing = self._quorum.add(candidate)
         if not agreeing:
             reason = "odometry leaves several places open: waits for others that agree"
             return [self._ledger.decide(stamp_ns, candidate, Verdict.PENDING, reason)]
         return [self._accept(stamp_ns, c, f"{len(agreeing)} closures agree") for c in agreeing]
-
-    def _leaves_no_other(self, proposal: Proposal, match: int) -> bool:
-        """Whether all places that odometry allows lie around the winner."""
-        return all(self._map.length(place.node, match) < self._s.alone for place in proposal.moment.places)
 
     def _accept(self, stamp_ns: int, candidate: Candidate, reason: str) -> Decision:
         assert candidate.query is not None

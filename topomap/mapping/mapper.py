@@ -13,7 +13,7 @@ from topomap.mapping.ledger import Ledger
 from topomap.mapping.recognition import Recognition, RecognitionSettings
 from topomap.mapping.snapshots import SnapshotSettings, View, make_rule
 from topomap.mapping.survey import Survey
-from topomap.types import Decision, MapChange, NodeAdded, Verdict
+from topomap.types import Decision, MapChange, NodeAdded, PlaceMatch, Verdict
 from topomap.vision.compare import rotation_difference, signature
 from topomap.vision.panorama import Panorama
 
@@ -49,8 +49,7 @@ class Mapper:
         self.survey.advance(reading.stamp_ns, reading.motion)
         difference = self._difference(panorama)
         added = self._keep(reading, panorama, difference)
-        place = self._recognition.search(self.survey.travel, panorama)
-        decisions = self._recognise(reading.stamp_ns, panorama)
+        place, decisions = self._recognise(reading.stamp_ns, panorama)
         solved, reviewed = self._correct(reading.stamp_ns, decisions)
         self._previous = panorama
         return MapChange(
@@ -108,12 +107,12 @@ class Mapper:
             self.correction.neighbours.compare(self._last_snapshot, node, self.album)
         self._last_snapshot = node
 
-    def _recognise(self, stamp_ns: int, panorama: Panorama) -> tuple[Decision, ...]:
-        """Look among the places within reach and judge what is proposed."""
+    def _recognise(self, stamp_ns: int, panorama: Panorama) -> tuple[PlaceMatch | None, tuple[Decision, ...]]:
+        """Look among the older places and judge what is proposed."""
         travel = self.survey.travel
         reachable = self._closing.within_reach(self._recognition.old_nodes(travel))
-        self._recognition.update(stamp_ns, travel, panorama, reachable)
-        return self._closing.judge(stamp_ns, self._recognition.proposal())
+        place = self._recognition.update(stamp_ns, travel, panorama, reachable)
+        return place, self._closing.judge(stamp_ns, self._recognition.proposal())
 
     def _correct(self, stamp_ns: int, decisions: tuple[Decision, ...]) -> tuple[bool, list[Decision]]:
         closed = any(d.verdict is Verdict.ACCEPTED for d in decisions)

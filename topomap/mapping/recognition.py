@@ -11,7 +11,7 @@ from pydantic import BaseModel, Field
 from topomap.mapping.odometry import IntArray
 from topomap.mapping.place_index import PlaceIndex
 from topomap.types import PlaceMatch
-from topomap.vision.compare import signature
+from topomap.vision.compare import RotationDifferences, Signature, signature
 from topomap.vision.panorama import Panorama
 
 
@@ -28,21 +28,29 @@ class RecognitionSettings(BaseModel, frozen=True, extra="forbid"):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Moment:
-    """One step as place search saw it: stamp, raw odometer way [m], view, and the places within reach, best first."""
+    """One step as place search saw it: stamp, raw odometer way [m] and view.
+
+    places: the older ones within reach, rivals: the most similar of all older ones, both best first.
+    """
 
     stamp_ns: int
     travel: float
     panorama: Panorama
     places: tuple[PlaceMatch, ...]
+    rivals: tuple[PlaceMatch, ...]
     difference: dict[int, float]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Proposal:
-    """A moment at which the best place within reach looked most alike, and the nodes to compare it with, best first."""
+    """A moment at which the best place within reach looked most alike.
+
+    places: the likeliest ones within reach; rivals: the likeliest ones anywhere.
+    """
 
     moment: Moment
-    shortlist: tuple[PlaceMatch, ...]
+    places: tuple[PlaceMatch, ...]
+    rivals: tuple[PlaceMatch, ...]
 
 
 class Recognition:
@@ -66,28 +74,32 @@ class Recognition:
         """Return the snapshot nodes that lie far enough back on the way to be seen again."""
         return np.array(self._nodes[: self._old(travel)], np.int64)
 
-    def search(self, travel: float, panorama: Panorama) -> PlaceMatch | None:
-        """Return the older node most like the view, wherever it lies; None where there is none."""
-        places, found = self._index.search(signature(panorama), 1, self._old(travel))
-        if not len(places):
-            return None
-        return PlaceMatch(self._nodes[places[0]], float(found.difference[0]), float(found.rotation[0]))
+    def update(self, stamp_ns: int, travel: float, panorama: Panorama, reachable: IntArray) -> PlaceMatch | None:
+        """Take this step's view and the nodes at which odometry allows it to be taken.
 
-    def update(self, stamp_ns: int, travel: float, panorama: Panorama, reachable: IntArray) -> None:
-        """Take this step's view and the nodes at which odometry allows it to be taken."""
+        Returns the older node most like the view, wherever it lies; None where there is none.
+        """
         view = signature(panorama)
-        places: IntArray = np.searchsorted(self._nodes, reachable).astype(np.int64)
-        if len(places) > self._s.compared:
-            likely, _ = self._index.search(view, self._s.compared, self._old(travel))
-            places = np.intersect1d(places, likely)
-        found = self._index.compare(view, places)
-        order = np.argsort(found.difference, kind="stable")
-        matches = tuple(
-            PlaceMatch(self._nodes[places[i]], float(found.difference[i]), float(found.rotation[i]))
-            for i in order.tolist()
-        )
+        rivals = self._matches(*self._index.search(view, self._s.shortlist, self._old(travel)))
+        places = self._worth_comparing(view, reachable, travel)
+        matches = self._matches(places, self._index.compare(view, places))
         differences = {match.node: match.difference for match in matches}
-        self._recent.append(Moment(stamp_ns, travel, panorama, matches, differences))
+        self._recent.append(Moment(stamp_ns, travel, panorama, matches, rivals, differences))
+        return rivals[0] if rivals else None
+
+    def _worth_comparing(self, view: Signature, reachable: IntArray, travel: float) -> IntArray:
+        """Return the index places of the reachable nodes; of too many, those that look most alike."""
+        places: IntArray = np.searchsorted(self._nodes, reachable).astype(np.int64)
+        if len(places) <= self._s.compared:
+            return places
+        likely, _ = self._index.search(view, self._s.compared, self._old(travel))
+        return np.intersect1d(places, likely)
+
+    def _matches(self, places: IntArray, found: RotationDifferences) -> tuple[PlaceMatch, ...]:
+        return tuple(
+            PlaceMatch(self._nodes[places[i]], float(found.difference[i]), float(found.rotation[i]))
+            for i in np.argsort(found.difference, kind="stable").tolist()
+        )
 
     def proposal(self) -> Proposal | None:
         """Return the moment `lag` steps ago if the view was then most like a place within reach, once a pass."""
@@ -100,7 +112,7 @@ class Recognition:
         if best.difference > self._s.threshold or not self._is_minimum(best.node):
             return None
         self._last_proposal = moment.travel
-        return Proposal(moment, moment.places[: self._s.shortlist])
+        return Proposal(moment, moment.places[: self._s.shortlist], moment.rivals)
 
     def _is_minimum(self, node: int) -> bool:
         curve = [moment.difference.get(node, np.inf) for moment in self._recent]

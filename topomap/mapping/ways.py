@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from scipy.special import chdtri
 
@@ -35,6 +37,12 @@ class Ways:
         covariances = np.array([c.covariance for c in self._map.closures]).reshape(-1, 3, 3)
         return chain.covariance_via(int(place[match]), int(place[query]), ends[:, 0], ends[:, 1], covariances)
 
+    def reach(self, node: int) -> float:
+        """Return how far from where the map has it the robot may be, seen from an older node [m]."""
+        self._current()
+        variance = 1.0 / float(np.linalg.eigvalsh(self._informations[node])[0]) - self._variance
+        return math.sqrt(self._limit * max(variance, 0.0))
+
     def within_reach(self, pose: Pose2, nodes: IntArray) -> IntArray:
         """Return those of some older nodes (n,) at which odometry allows the robot to be, believed at `pose`."""
         if not len(nodes):
@@ -42,7 +50,8 @@ class Ways:
         self._current()
         away = self._map.poses[nodes, :2] - np.array([pose.x, pose.y])
         chi2 = np.einsum("ni,nij,nj->n", away, self._informations[nodes], away)
-        return nodes[chi2 <= self._limit]
+        possible: IntArray = nodes[chi2 <= self._limit]
+        return possible
 
     def _current(self) -> tuple[Chain, IntArray]:
         state = (len(self._map.nodes), len(self._map.closures), self._correction.solves)
