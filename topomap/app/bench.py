@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
+from sim2d import worlds
 from topomap.app.views import world_recipe
 from topomap.errors import DataError
 from topomap.study.datasets.image_grid import grid_recipe
@@ -16,6 +18,9 @@ from topomap.study.homing_contestant import Contestant, compass, contestants
 from topomap.study.homing_figures import method_figure, save, sheet
 from topomap.study.homing_pool import Store, workers
 from topomap.study.homing_table import write_table
+from topomap.study.places import PlaceScore, place_scores
+from topomap.study.studies import STUDIES, Lab, Study
+from topomap.study.summary import write_whole
 
 Progress = Callable[[int], None]
 
@@ -56,15 +61,8 @@ def request(
 
 def run_bench(asked: BenchRequest, store: Store, count: int, progress: Progress) -> list[Table]:
     """Return one table an environment, measured by `count` processes."""
-    done = 0
-
-    def advance() -> None:
-        nonlocal done
-        done += 1
-        progress(done)
-
     with workers(count, store) as hands:
-        return bench(asked.recipes, asked.home, asked.contestants, asked.settings, hands, advance)
+        return bench(asked.recipes, asked.home, asked.contestants, asked.settings, hands, _counting(progress))
 
 
 def write_bench(tables: Sequence[Table], folder: Path) -> list[Path]:
@@ -112,3 +110,45 @@ def parse_point(text: str | None) -> Point | None:
 def _grid_seeds(settings: BenchSettings, seeds: str) -> list[int]:
     # photographs have no seed of their own: only the random headings differ
     return parse_seeds(seeds) if settings.compass != "given" else parse_seeds(seeds)[:1]
+
+
+def available() -> list[Study]:
+    """Return the studies whose environments are there."""
+    known = set(worlds.names())
+    return [study for study in STUDIES.values() if known.issuperset(study.environments)]
+
+
+def run_study(name: str, seeds: str, store: Store, count: int, progress: Progress, folder: Path) -> list[Path]:
+    """Make a named study; write its figure and its figures as JSON. Raises DataError for an unknown name."""
+    known = {study.name: study for study in available()}
+    if name not in known:
+        raise DataError(f"unknown study {name!r}; there are {', '.join(known)}")
+    advance = _counting(progress)
+    with workers(count, store) as hands:
+        found = known[name].make(Lab(world_recipe, tuple(parse_seeds(seeds)), hands, advance))
+    folder.mkdir(parents=True, exist_ok=True)
+    said = {"study": name, "source": known[name].source, "seeds": seeds, "values": found.values}
+    write_whole(folder / f"{name}.json", json.dumps(said, indent=2, allow_nan=False) + "\n")
+    return [save(found.figure, folder / f"{name}.png"), folder / f"{name}.json"]
+
+
+def run_places(
+    route: Path, spacing: int, stride: int, store: Store, count: int, progress: Progress, folder: Path
+) -> list[PlaceScore]:
+    """Return the place check of every aligner on a recorded route and write it as JSON. Raises DataError."""
+    with workers(count, store) as hands:
+        scores = place_scores(route, spacing, stride, hands, _counting(progress))
+    plain = [{k: v if v == v else None for k, v in asdict(score).items()} for score in scores]
+    write_whole(folder / f"{route.resolve().name}.json", json.dumps(plain, indent=2, allow_nan=False) + "\n")
+    return scores
+
+
+def _counting(progress: Progress) -> Callable[[], None]:
+    done = 0
+
+    def advance() -> None:
+        nonlocal done
+        done += 1
+        progress(done)
+
+    return advance

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -71,3 +72,75 @@ def show(found: Table) -> None:
     console.print(shown)
     for reason, names in unfit(found).items():
         console.print(f"Left out, {reason}: {', '.join(names)}")
+
+
+@benches.command()
+def studies() -> None:
+    """List the named studies: which figures of the thesis they repeat and what they ask."""
+    from topomap.app import bench
+
+    rows = [(one.name, one.source, ", ".join(one.environments) or "own", one.question) for one in bench.available()]
+    _grid("studies", ("name", "figures", "environment", "question"), rows)
+
+
+@benches.command()
+def study(
+    name: str = typer.Argument(help="Name of the study (see 'topomap bench studies'), or 'all'."),
+    seeds: str = typer.Option("0", help="Seeds, e.g. 0-4."),
+    jobs: int | None = typer.Option(None, min=1, help="Processes [all cores]."),
+    fresh: bool = typer.Option(False, "--fresh", help="Measure anew what is known already."),
+    out: Path = typer.Option(OUT / "studies", help="Folder for the figure and its JSON."),
+) -> None:
+    """Repeat one of the thesis's experiments; write its figure and the figures behind it."""
+    from topomap.app import bench
+    from topomap.study.homing_pool import Store, default_folder
+
+    store = Store(None if fresh else default_folder())
+    for one in [one.name for one in bench.available()] if name == "all" else [name]:
+        with progress(one, None) as advance:
+            written = bench.run_study(one, seeds, store, jobs or bench.cores(), advance, out)
+        for path in written:
+            console.print(str(path), soft_wrap=True)
+
+
+@benches.command()
+def places(
+    folder: Path = typer.Argument(help="Folder of photographs along a route: training.csv and its path."),
+    spacing: int = typer.Option(30, min=2, help="Every so-manieth image is the map."),
+    stride: int = typer.Option(4, min=1, help="Every so-manieth of the others is asked."),
+    jobs: int | None = typer.Option(None, min=1, help="Processes [all cores]."),
+    fresh: bool = typer.Option(False, "--fresh", help="Measure anew what is known already."),
+    out: Path = typer.Option(OUT / "places", help="Folder for the JSON."),
+) -> None:
+    """Place recognition and compass of every aligner on real photographs."""
+    from topomap.app import bench
+    from topomap.study.homing_pool import Store, default_folder
+    from topomap.study.places import names
+
+    store = Store(None if fresh else default_folder())
+    with progress("places", len(names())) as advance:
+        scores = bench.run_places(folder, spacing, stride, store, jobs or bench.cores(), advance, out)
+    rows = [
+        (s.aligner, f"{s.place_error_m:.2f}", f"{s.floor_m:.2f}", f"{s.compass_median_deg:.1f}",
+         f"{s.compass_mean_deg:.1f}", f"{s.ms:.2f}")
+        for s in scores if s.unfit is None
+    ]  # fmt: skip
+    _grid(
+        f"{folder.name}: median place error over {max(s.queries for s in scores)} queries",
+        ("aligner", "place [m]", "nearest [m]", "compass median [deg]", "mean [deg]", "ms"),
+        rows,
+    )
+    for s in scores:
+        if s.unfit is not None:
+            console.print(f"Left out, {s.unfit}: {s.aligner}")
+
+
+def _grid(title: str, headings: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> None:
+    from rich.table import Table as Grid
+
+    shown = Grid(title=title, title_justify="left")
+    for name in headings:
+        shown.add_column(name, overflow="fold")
+    for row in rows:
+        shown.add_row(*row)
+    console.print(shown)

@@ -1,0 +1,148 @@
+"""What a study is: a named question, the environments it is asked in, and the finding that answers it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+from matplotlib.figure import Figure
+
+from topomap.geometry import FloatArray
+from topomap.study import figures_style as style
+from topomap.study.homing_arena import Point, Recipe
+from topomap.study.homing_bench import BenchSettings, Row, Table, bench
+from topomap.study.homing_contestant import Contestant
+from topomap.study.homing_pool import Workers
+from topomap.study.homing_table import JsonValue
+
+COLOURS = (style.BLUE, style.RED, style.GREEN, style.PURPLE, style.AMBER, style.BLACK, style.GREY, "#56B4E9")
+SHAPES = ("o", "s", "^", "D", "v", "P", "X", "*")
+
+
+@dataclass(frozen=True, slots=True)
+class Lab:
+    """Where studies are made: recipes of environments by name, seeds, and the workers that measure."""
+
+    recipe: Callable[[str, int], Recipe]
+    seeds: tuple[int, ...]
+    workers: Workers
+    advance: Callable[[], None]
+
+    def recipes(self, environment: str) -> list[Recipe]:
+        """Return an environment's recipe for every seed. Raises DataError for an unknown one."""
+        return [self.recipe(environment, seed) for seed in self.seeds]
+
+    def table(
+        self, environment: str, contestants: Sequence[Contestant], home: Point | None = None, compass: str = "given"
+    ) -> Table:
+        """Return the homing table of contestants in an environment, over the grid only. Raises DataError."""
+        settings = BenchSettings(compass=compass, starts=0)
+        return bench(self.recipes(environment), home, contestants, settings, self.workers, self.advance)[0]
+
+    def rows(self, environment: str, contestants: Sequence[Contestant], compass: str = "given") -> dict[str, Row]:
+        """Return the table's rows by the contestants' names. Raises DataError."""
+        return {row.method: row for row in self.table(environment, contestants, compass=compass).rows}
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """What a study found: its figure, and the figures behind it as plain JSON values."""
+
+    figure: Figure
+    values: JsonValue
+
+
+@dataclass(frozen=True, slots=True)
+class Study:
+    """A named experiment: the thesis's figures it repeats, its question, the environments it needs, how it is made."""
+
+    name: str
+    source: str
+    question: str
+    environments: tuple[str, ...]
+    make: Callable[[Lab], Finding]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Curve:
+    """A curve (N,) over x (N,) with the ends of its 95 % intervals."""
+
+    label: str
+    x: Sequence[float]
+    y: Sequence[float]
+    low: Sequence[float]
+    high: Sequence[float]
+
+
+def error_curve(label: str, x: Sequence[float], rows: Sequence[Row]) -> Curve:
+    """Return the mean errors [degrees] of rows over x; rows without figures are left out."""
+    known = [(at, row.mean) for at, row in zip(x, rows, strict=True) if row.mean is not None]
+    return Curve(
+        label,
+        [at for at, _ in known],
+        [m.value for _, m in known],
+        [m.low for _, m in known],
+        [m.high for _, m in known],
+    )
+
+
+def curves_finding(title: str, x_label: str, y_label: str, curves: Sequence[Curve], log: bool = False) -> Finding:
+    """Return curves as a finding."""
+    figure = style.canvas(7.2, 4.2)
+    axes = figure.add_subplot()
+    style.dress(axes, title, x_label, y_label)
+    for curve, colour, shape in zip(curves, COLOURS, SHAPES, strict=False):
+        spread = [[y - a for y, a in zip(curve.y, curve.low, strict=True)],
+                  [b - y for y, b in zip(curve.y, curve.high, strict=True)]]  # fmt: skip
+        axes.errorbar(
+            curve.x, curve.y, spread, fmt=f"{shape}-", color=colour, markersize=5, linewidth=1.4, capsize=2.5,
+            elinewidth=0.9, label=curve.label,
+        )  # fmt: skip
+    if log:
+        axes.set_xscale("log")
+    axes.set_ylim(bottom=0.0)
+    style.legend_below(figure, axes, min(len(curves), 3))
+    return Finding(figure, {curve.label: _plain(curve) for curve in curves})
+
+
+def bars_finding(title: str, rows: Mapping[str, Row]) -> Finding:
+    """Return mean errors with 95 % intervals and the shares below 45 degrees as bars."""
+    known = {name: row for name, row in rows.items() if row.mean is not None}
+    figure = style.canvas(7.2, 1.4 + 0.36 * max(len(known), 1))
+    axes = figure.add_subplot()
+    style.dress(axes, title, "mean angular error with 95 % interval [deg]")
+    for k, row in enumerate(known.values()):
+        mean, good = row.mean, row.below_45
+        if mean is None or good is None:
+            continue
+        axes.barh(k, mean.value, 0.62, color=COLOURS[0], xerr=[[mean.value - mean.low], [mean.high - mean.value]],
+                  error_kw={"elinewidth": 1.0, "capsize": 2.5})  # fmt: skip
+        axes.text(mean.high, k, f"  {mean.value:.1f}°, {100 * good.value:.0f} % below 45°", va="center", fontsize=8.5)
+    axes.set_yticks(range(len(known)), list(known))
+    axes.invert_yaxis()
+    axes.set_xlim(0.0, 1.45 * max((row.mean.high for row in known.values() if row.mean), default=1.0))
+    return Finding(figure, {name: _figures(row) for name, row in known.items()})
+
+
+def binned(values: FloatArray, by: FloatArray, edges: Sequence[float]) -> list[FloatArray]:
+    """Return the values (N,) in each bin of another quantity (N,)."""
+    return [values[(by >= a) & (by < b)] for a, b in pairwise(edges)]
+
+
+def _figures(row: Row) -> dict[str, JsonValue]:
+    if row.mean is None or row.below_45 is None or row.catchment is None:
+        return {}
+    return {
+        "mean_deg": round(row.mean.value, 4),
+        "low": round(row.mean.low, 4),
+        "high": round(row.mean.high, 4),
+        "below_45": round(row.below_45.value, 4),
+        "catchment": round(row.catchment.value, 4),
+        "places": row.places,
+    }
+
+
+def _plain(curve: Curve) -> dict[str, JsonValue]:
+    named = {"x": curve.x, "y": curve.y, "low": curve.low, "high": curve.high}
+    return {name: [round(float(v), 6) for v in values] for name, values in named.items()}
