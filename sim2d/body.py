@@ -37,6 +37,20 @@ class Body:
         """World y [m]."""
         return float(self._body.position.y)
 
+    @property
+    def radius(self) -> float:
+        """Radius [m]."""
+        return self._config.radius
+
+    def put(self, x: float, y: float, heading: float) -> None:
+        """Set the body down somewhere else."""
+        self._body.position = (x, y)
+        self.heading = heading
+
+    def wanted(self, forward: float, dt: float) -> float:
+        """Return the way [m] that a command would drive in dt [s] with nothing in the way."""
+        return _held(forward, self._config.max_speed) * dt
+
     def advance(self, forward: float, turn: float, dt: float) -> tuple[float, float]:
         """Drive for dt [s] at forward [m/s], turn [rad/s], held to the limits; return the true arc (m, rad)."""
         forward = _held(forward, self._config.max_speed)

@@ -102,8 +102,8 @@ def paint_wall(
         mixed[np.uint64(j)] = both >> six & THIN
     for row in range(y, stop, -1):
         q = along_v(v0 - row * slope, nv)
-        j, wv = np.uint64((q >> 6) - low), np.uint64(q & 63)
-        colour = mixed[j] * (np.uint64(64) - wv) + mixed[j + np.uint64(1)] * wv
+        k, wv = np.uint64((q >> 6) - low), np.uint64(q & 63)
+        colour = mixed[k] * (np.uint64(64) - wv) + mixed[k + np.uint64(1)] * wv
         put(pixels, 3 * (row * width + c), colour, tones)
     return stop
 

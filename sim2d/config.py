@@ -2,15 +2,29 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 
 class Section(BaseModel):
     """A read-only section that refuses unknown keys."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class LightChange(Section):
+    """Another hour of the day from a time or a lap on."""
+
+    hour: float = Field(ge=0, le=24, description="hour of the day")
+    at_s: float | None = Field(None, ge=0, description="run time from which on it holds [s]")
+    at_lap: float | None = Field(None, ge=0, description="laps driven from which on it holds")
+
+    @model_validator(mode="after")
+    def _has_one_moment(self) -> Self:
+        if (self.at_s is None) == (self.at_lap is None):
+            raise ValueError("give at_s or at_lap, and not both")
+        return self
 
 
 class CameraConfig(Section):
@@ -24,15 +38,31 @@ class CameraConfig(Section):
     codec: Literal["jpeg", "png"] = Field("jpeg", description="image codec of the camera")
     quality: int = Field(90, ge=1, le=100, description="JPEG quality")
     noise: float = Field(2.0, ge=0, le=64, description="sensor noise, standard deviation [grey levels]")
-    gain: float = Field(1.0, gt=0, le=8, description="exposure gain")
+    gain: float = Field(1.0, gt=0, le=8, description="exposure gain; with automatic exposure a correction of it")
+    exposure: Literal["fixed", "auto"] = Field("fixed", description="whether the camera sets its gain by the view")
+    exposure_target: float = Field(
+        110.0, gt=0, lt=255, description="mean that automatic exposure aims at [grey levels]"
+    )
+    hour: float | None = Field(None, ge=0, le=24, description="hour of the day that lights the world; none: evenly lit")
+    light_changes: tuple[LightChange, ...] = Field((), description="other hours in mid-run")
+    horizon_row: float | None = Field(None, description="row of eye level; none: the middle of the image")
+    blur: float = Field(0.0, ge=0, le=20, description="blur, standard deviation [pixels]")
+    roll_deg: float = Field(0.0, gt=-45, lt=45, description="mount leans to the right by [degree]")
+    pitch_deg: float = Field(0.0, gt=-45, lt=45, description="mount leans forward by [degree]")
+    missing: float = Field(0.0, ge=0, le=0.9, description="share of frames that don't arrive: no reading at that step")
 
 
 class LaserConfig(Section):
     """The range scanner."""
 
-    rays: int = Field(720, ge=1, le=7200, description="rays per turn")
+    scanner: Literal["ring", "urg"] = Field("ring", description="all round at once, or two opposite shots of a scanner")
+    rays: int = Field(720, ge=1, le=7200, description="ranges per turn that are handed over")
+    height: float = Field(0.0, ge=0, le=10, description="only what is at least as high is hit [m]")
+    urg_field_deg: float = Field(240.0, gt=180, le=360, description="field of one shot of the scanner [degree]")
+    urg_step_deg: float = Field(0.36, gt=0, le=10, description="from one ray of a shot to the next [degree]")
+    urg_range: float = Field(4.0, gt=0, description="nothing is measured beyond by the scanner [m]")
     noise: float = Field(0.01, ge=0, description="range noise, standard deviation [m]")
-    max_range: float = Field(10.0, gt=0, description="nothing is measured beyond [m]")
+    max_range: float = Field(10.0, gt=0, description="nothing is measured beyond by the ring [m]")
     dropout: float = Field(0.002, ge=0, le=1, description="share of rays that return nothing")
 
 
@@ -44,6 +74,9 @@ class OdometerConfig(Section):
     curvature: float = Field(0.003, description="turn read per true metre, from unequal wheels [rad/m]")
     forward_noise: float = Field(0.02, ge=0, description="random distance error [m per sqrt m]")
     turn_noise_deg: float = Field(0.5, ge=0, description="random turn error [degree per sqrt m]")
+    turn_noise_per_rad_deg: float = Field(0.0, ge=0, description="random turn error of turning [degree per sqrt rad]")
+    slip: float = Field(0.0, ge=0, le=1, description="share of blocked way that spinning wheels read as driven")
+    slip_turn_deg: float = Field(0.0, ge=0, description="random turn read per step in contact [degree]")
     spread: float = Field(
         0.2, ge=0, lt=1, description="each systematic error is multiplied by uniform(1 - spread, 1 + spread)"
     )
@@ -67,6 +100,30 @@ class DriverConfig(Section):
     lookahead: float = Field(0.4, gt=0, description="distance to the point that is steered at [m]")
 
 
+class PeopleConfig(Section):
+    """People besides those of the world."""
+
+    extra: int = Field(0, ge=0, le=200, description="people who walk to and fro along stretches of the robot's route")
+    speed: float = Field(0.8, gt=0, le=3, description="their greatest speed [m/s]")
+    aside: float = Field(0.55, ge=0, le=5, description="how far beside the route they walk [m]")
+
+
+class KidnapConfig(Section):
+    """The robot is carried away, which no wheel notices: to a named place, or to x, y, heading."""
+
+    at_s: float = Field(ge=0, description="run time [s]")
+    place: str = Field("", description="name of one of the world's places")
+    x: float | None = Field(None, description="where to [m]")
+    y: float | None = Field(None, description="where to [m]")
+    heading_deg: float = Field(0.0, description="heading there [degree]")
+
+    @model_validator(mode="after")
+    def _has_one_place(self) -> Self:
+        if bool(self.place) == (self.x is not None and self.y is not None):
+            raise ValueError("give a place, or x and y")
+        return self
+
+
 class SimConfig(Section):
     """All of the simulator."""
 
@@ -75,3 +132,5 @@ class SimConfig(Section):
     odometer: OdometerConfig = Field(default_factory=OdometerConfig, description="odometer and its errors")
     body: BodyConfig = Field(default_factory=BodyConfig, description="robot body")
     driver: DriverConfig = Field(default_factory=DriverConfig, description="driver of the taught route")
+    people: PeopleConfig = Field(default_factory=PeopleConfig, description="people besides the world's own")
+    kidnaps: tuple[KidnapConfig, ...] = Field((), description="when and where to the robot is carried away")

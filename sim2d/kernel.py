@@ -1,4 +1,4 @@
-"""The compiler of the ray and pixel kernels: what numba keeps on disk is never run once any kernel's text has changed."""
+"""The compiler of the ray and pixel kernels: what numba keeps on disk isn't run once any kernel's text has changed."""
 
 from __future__ import annotations
 

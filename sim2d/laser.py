@@ -11,24 +11,59 @@ from sim2d.config import LaserConfig
 from sim2d.raycast import cast
 from sim2d.world import World
 
+Ranges = NDArray[np.float64]
+
 
 class Laser:
-    """Measures to the first surface of any height; `rng` feeds its noise only."""
+    """Measures to the first surface that is high enough; `rng` feeds its noise only.
+
+    The ring measures along every bearing at once. The thesis's scanner takes two opposite shots of 240 degrees in steps
+    of 0.36 degrees, nose first, which are then merged to as many ranges as asked for.
+    """
 
     def __init__(self, config: LaserConfig, rng: np.random.Generator) -> None:
         self._config = config
         self._rng = rng
-        self._bearings = np.arange(config.rays) * (math.tau / config.rays)
+        self._bearings: Ranges = np.arange(config.rays, dtype=np.float64) * (math.tau / config.rays)
+        half = int(math.radians(config.urg_field_deg) / 2 / math.radians(config.urg_step_deg) + 1e-9)
+        self._shot: Ranges = np.arange(-half, half + 1, dtype=np.float64) * math.radians(config.urg_step_deg)
+        self._range = config.max_range if config.scanner == "ring" else config.urg_range
 
-    def exact(self, world: World, x: float, y: float, heading: float) -> NDArray[np.float64]:
+    def exact(self, world: World, x: float, y: float, heading: float) -> Ranges:
         """Return the true ranges (R,) [m] at a pose [m, rad], NaN beyond the greatest range."""
-        ranges: NDArray[np.float64] = cast(world.scene(), x, y, self._bearings + heading, self._config.max_range)
-        return ranges
+        return self._cast(world, x, y, self._bearings + heading)
 
     def scan(self, world: World, x: float, y: float, heading: float) -> NDArray[np.float32]:
         """Return measured ranges (R,) [m] at a pose [m, rad], NaN where nothing came back."""
-        ranges = self.exact(world, x, y, heading)
-        ranges += self._rng.normal(0.0, self._config.noise, len(ranges))
+        if self._config.scanner == "ring":
+            ranges = self._measured(self.exact(world, x, y, heading))
+        else:
+            shots = [self._measured(self._cast(world, x, y, self._shot + heading + back)) for back in (0.0, math.pi)]
+            ranges = self.merged(shots[0], shots[1])
+        return ranges.astype(np.float32)
+
+    def merged(self, front: Ranges, rear: Ranges) -> Ranges:
+        """Return the ranges (R,) of two opposite shots (S,): the nearest ray of each, their mean where both measure."""
+        both = np.stack([self._picked(front, 0.0), self._picked(rear, math.pi)])
+        known = ~np.isnan(both)
+        count = known.sum(axis=0)
+        total = np.where(known, both, 0.0).sum(axis=0)
+        return np.where(count > 0, total / np.maximum(count, 1), np.nan)
+
+    def _picked(self, shot: Ranges, facing: float) -> Ranges:
+        """Return for every bearing the nearest ray of a shot that faces so, NaN outside its field."""
+        bearings = np.remainder(self._bearings - facing + math.pi, math.tau) - math.pi
+        index = np.rint(bearings / math.radians(self._config.urg_step_deg)).astype(int) + len(shot) // 2
+        inside = (index >= 0) & (index < len(shot))
+        return np.where(inside, shot[np.clip(index, 0, len(shot) - 1)], np.nan)
+
+    def _cast(self, world: World, x: float, y: float, angles: Ranges) -> Ranges:
+        ranges: Ranges = cast(world.scene(), x, y, angles, self._range, self._config.height)
+        return ranges
+
+    def _measured(self, ranges: Ranges) -> Ranges:
+        """Return ranges with noise and gaps."""
+        ranges = ranges + self._rng.normal(0.0, self._config.noise, len(ranges))
         ranges[self._rng.random(len(ranges)) < self._config.dropout] = np.nan
-        ranges[ranges > self._config.max_range] = np.nan
-        return np.maximum(ranges, 0.0).astype(np.float32)
+        ranges[ranges > self._range] = np.nan
+        return np.maximum(ranges, 0.0)

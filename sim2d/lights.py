@@ -1,16 +1,18 @@
-"""How bright every place is: lamps and windows, seen or hidden, summed over a grid once per hour of the day."""
+"""How bright every place is: lamps and windows, seen or hidden, summed over a grid."""
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sim2d.kernel import kernel
+from sim2d.raycast import FloatArray, nearest
+from sim2d.scene import Scene
 
-LEAST = 0.22  # what reaches every corner by way of walls and ceiling, of all the light there is
+REACH = 14.0  # [m] no light is seen to light anything beyond
+SCREEN = 1.5  # [m] lower things cast no shadow
 
 
 class Glow(NamedTuple):
@@ -57,3 +59,50 @@ def glow_on(glow: Glow, x: float, y: float, nx: float, ny: float, dx: float, dy:
     px, py = x + 0.6 * glow.cell * nx, y + 0.6 * glow.cell * ny
     bright = _sample(glow, px, py, 1) + nx * _sample(glow, px, py, 2) + ny * _sample(glow, px, py, 3)
     return min(1.0, max(0.1, bright))
+
+
+@kernel
+def add_light(
+    field: FloatArray, scene: Scene, x0: float, y0: float, cell: float,
+    x: float, y: float, z: float, strength: float, nx: float, ny: float,
+) -> None:  # fmt: skip
+    """Add a light at x, y, z [m] to a field (ny, nx, 4) as in Glow, where it is seen; n: a window's normal or 0."""
+    i0, i1 = max(0, int((x - REACH - x0) / cell)), min(field.shape[1], int((x + REACH - x0) / cell) + 1)
+    j0, j1 = max(0, int((y - REACH - y0) / cell)), min(field.shape[0], int((y + REACH - y0) / cell) + 1)
+    for j in range(j0, j1):
+        for i in range(i0, i1):
+            px, py = x0 + (i + 0.5) * cell, y0 + (j + 0.5) * cell
+            far = np.hypot(x - px, y - py) + 1e-6
+            dx, dy = (x - px) / far, (y - py) / far
+            if far > REACH or nearest(scene, px, py, dx, dy, far - 0.05, SCREEN) < np.inf:
+                continue
+            r = np.hypot(far, z)
+            facing = abs(nx * dx + ny * dy) if nx != 0.0 or ny != 0.0 else 1.0
+            bright = strength * facing / (1 + r * r / 6)
+            # of max(0, n . d) over all normals n the mean is 1/pi; half of n . d is what differs from it
+            field[j, i, 0] += bright * max(z, 0.3) / r
+            field[j, i, 1] += bright * (0.15 + 0.32 * far / r)
+            field[j, i, 2] += 0.5 * bright * dx * far / r
+            field[j, i, 3] += 0.5 * bright * dy * far / r
+
+
+@kernel
+def add_sun(
+    field: FloatArray, scene: Scene, x0: float, y0: float, cell: float, frame: FloatArray,
+    azimuth: float, rise: float, strength: float,
+) -> None:  # fmt: skip
+    """Add the sun through a window `frame`: ax, ay, bx, by, sill, top [m]; rise: tangent of the sun's height."""
+    dx, dy = np.cos(azimuth), np.sin(azimuth)
+    ex, ey = frame[2] - frame[0], frame[3] - frame[1]
+    cross = dx * ey - dy * ex
+    if abs(cross) < 1e-9:
+        return
+    for j in range(field.shape[0]):
+        for i in range(field.shape[1]):
+            px, py = frame[0] - (x0 + (i + 0.5) * cell), frame[1] - (y0 + (j + 0.5) * cell)
+            t, u = (px * ey - py * ex) / cross, (px * dy - py * dx) / cross
+            if t < 0.0 or u < 0.0 or u > 1.0 or not frame[4] <= t * rise <= frame[5]:
+                continue
+            if nearest(scene, x0 + (i + 0.5) * cell, y0 + (j + 0.5) * cell, dx, dy, t - 0.05, 0.5) == np.inf:
+                field[j, i, 0] += 1.2 * strength
+                field[j, i, 1] += 0.25 * strength

@@ -13,11 +13,18 @@ HALF_TRACK = 0.15  # [m] what the wheels roll per radian of turning on the spot
 
 
 class Odometer:
-    """Reads arcs; `drift` draws the systematic errors once, `noise` the random ones."""
+    """Reads arcs; `drift` draws the systematic errors once, `noise` the random ones, `slip` those in contact."""
 
-    def __init__(self, config: OdometerConfig, drift: np.random.Generator, noise: np.random.Generator) -> None:
+    def __init__(
+        self,
+        config: OdometerConfig,
+        drift: np.random.Generator,
+        noise: np.random.Generator,
+        slip: np.random.Generator | None = None,
+    ) -> None:
         self._config = config
         self._noise = noise
+        self._slip = slip
         factor = drift.uniform(1 - config.spread, 1 + config.spread, 3)
         self.calibration = TrueCalibration(
             rotation_scale=1 + (config.rotation_scale - 1) * float(factor[0]),
@@ -25,20 +32,44 @@ class Odometer:
             curvature=config.curvature * float(factor[2]),
         )
 
-    def read(self, forward: float, turn: float, dt: float) -> OdometerReading:
-        """Return the reading of a true arc: forward [m], turn [rad], taken in dt [s]."""
-        truth = self.calibration
+    def read(
+        self, forward: float, turn: float, dt: float, blocked: float = 0.0, contact: bool = False
+    ) -> OdometerReading:
+        """Return the reading of a true arc: forward [m], turn [rad], taken in dt [s].
+
+        blocked: what the wheels were told to drive beyond the true way [m]; contact: whether they may slip.
+        """
+        truth, config = self.calibration, self._config
         travel = abs(forward) + HALF_TRACK * abs(turn)
-        sigma_forward = self._config.forward_noise * math.sqrt(travel)
-        sigma_turn = math.radians(self._config.turn_noise_deg) * math.sqrt(travel)
+        sigma_forward = config.forward_noise * math.sqrt(travel)
+        sigma_turn = math.radians(
+            math.hypot(config.turn_noise_deg * math.sqrt(travel), config.turn_noise_per_rad_deg * math.sqrt(abs(turn)))
+        )
         draws = self._noise.standard_normal(2)
+        slipped, twist = (config.slip * blocked, self._twist()) if contact else (0.0, 0.0)
+        rolled = forward + slipped
         return OdometerReading(
-            forward=truth.distance_scale * forward + sigma_forward * float(draws[0]),
+            forward=truth.distance_scale * rolled + sigma_forward * float(draws[0]),
             left=0.0,
-            turn=truth.rotation_scale * turn + truth.curvature * forward + sigma_turn * float(draws[1]),
+            turn=truth.rotation_scale * turn + truth.curvature * rolled + sigma_turn * float(draws[1]) + twist,
             covariance=_covariance(sigma_forward, sigma_turn),
             dt=dt,
         )
+
+    def _twist(self) -> float:
+        """Return a turn that is read though it didn't happen [rad]."""
+        return 0.0 if self._slip is None else math.radians(self._config.slip_turn_deg) * self._slip.standard_normal()
+
+
+def joined(first: OdometerReading, second: OdometerReading) -> OdometerReading:
+    """Return two increments as one: its arc is as long and turns as far as both together."""
+    return OdometerReading(
+        forward=first.forward + second.forward,
+        left=first.left + second.left,
+        turn=first.turn + second.turn,
+        covariance=first.covariance + second.covariance,
+        dt=first.dt + second.dt,
+    )
 
 
 def _covariance(sigma_forward: float, sigma_turn: float) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:

@@ -155,6 +155,27 @@ def slabs(length: float, height: float, colour: Colour, rng: np.random.Generator
     return canvas
 
 
+def person(length: float, height: float, colour: Colour, rng: np.random.Generator) -> Canvas:
+    """Somebody all round, face in front at 0: legs, a coat of the given colour with arms, a head with hair."""
+    canvas = blank(length, height, colour)
+    skin, trousers, hair = (
+        shade((0.95, 0.76, 0.62), float(rng.uniform(0.5, 1.05))),
+        hue(rng, 0.05, 0.4),
+        hue(rng, 0.05, 0.5),
+    )
+    rectangle(canvas, (0, length), (0, 0.46 * height), trousers)
+    rectangle(canvas, (0, length), (0, 0.04 * height), shade(trousers, 0.4))
+    for x in (0.25 * length, 0.75 * length):
+        rectangle(canvas, (x - 0.06, x + 0.06), (0, 0.44 * height), shade(trousers, 0.55))
+        rectangle(canvas, (x - 0.09, x + 0.09), (0.48 * height, 0.8 * height), shade(colour, 0.7))
+        rectangle(canvas, (x - 0.06, x + 0.06), (0.43 * height, 0.48 * height), skin)
+    canvas *= 1 + 0.1 * clouds(rng, canvas, 0.2)
+    rectangle(canvas, (0, length), (0.84 * height, height), skin)
+    rectangle(canvas, (0.2 * length, 0.8 * length), (0.86 * height, height), hair)
+    rectangle(canvas, (0, length), (0.94 * height, height), hair)
+    return canvas
+
+
 PAINTERS: Mapping[str, Painter] = {
     "plain": plain,
     "plaster": plaster,
@@ -167,6 +188,7 @@ PAINTERS: Mapping[str, Painter] = {
     "books": books,
     "drawers": drawers,
     "leaves": leaves,
+    "person": person,
     "speckle": speckle,
     "slabs": slabs,
 }

@@ -142,7 +142,7 @@ def _walk_fixed(
                     n = _insert(hits, surfaces, sides, n, start, t, s, side)
         for k in range(start, n):
             if hits[k] > limit or (sides[k] == FRONT and scene.top[surfaces[k]] >= full):
-                return k + (hits[k] <= limit)
+                return k + 1 if hits[k] <= limit else k
         if last or t_out > limit:
             return n
         i, j, t_in = ni, nj, t_out

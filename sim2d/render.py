@@ -79,7 +79,7 @@ def _rows(atlas: Atlas, eye: Eye, tile: int, rise: float, height: int, gloss: fl
 def render(
     scene: Scene, atlas: Atlas, eye: Eye, glow: Glow, tones: NDArray[np.uint8], image: NDArray[np.uint8]
 ) -> None:
-    """Fill image (H, W, 3) RGB with what the camera sees, without noise; tones (3 x 4096,) as `texel.put` reads them."""
+    """Fill image (H, W, 3) RGB with what the camera sees, without noise; tones (3 x 4096,) as in `texel.put`."""
     height, width = image.shape[:2]
     texels, pixels = atlas.texels, image.reshape(-1)
     hits, skins = np.empty(MAX_HITS), np.empty((MAX_HITS, 8))

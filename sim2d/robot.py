@@ -8,9 +8,11 @@ from typing import Protocol
 from sim2d.body import Body
 from sim2d.camera import Camera
 from sim2d.config import SimConfig
+from sim2d.crowd import crowd
 from sim2d.driver import Driver
+from sim2d.events import Events
 from sim2d.laser import Laser
-from sim2d.odometer import Odometer
+from sim2d.odometer import Odometer, joined
 from sim2d.path import of_route
 from sim2d.records import EPOCH_NS, CameraRig, OdometerReading, SimReading, SimTruth, TrueCalibration
 from sim2d.streams import stream
@@ -42,10 +44,14 @@ class SimRobot:
             config.body,
         )
         path = self._driver.path
+        world.add_people(crowd(path, config.people, stream(seed, "people")))
         self._body = Body(world, config.body, *path.at(0.0), path.heading(0.0))
         self._camera = Camera(config.camera, stream(seed, "image noise"))
+        self._missing = stream(seed, "missing frames")
         self._laser = Laser(config.laser, stream(seed, "range noise"))
-        self._odometer = Odometer(config.odometer, stream(seed, "drift"), stream(seed, "odometry noise"))
+        streams = (stream(seed, name) for name in ("drift", "odometry noise", "slip"))
+        self._odometer = Odometer(config.odometer, *streams)
+        self._events = Events(world, config, self._body, self._driver, self._camera)
         self._wheels = (0.0, 0.0)
         self._driven = True
         self._stopped = False
@@ -72,11 +78,17 @@ class SimRobot:
         return math.ceil(self.route_length_m / (self._config.body.max_speed * self._config.body.step)) + 3
 
     def sense(self) -> SimReading | None:
-        """Move for one step (not before the first reading) and return what is sensed, or None after `stop`."""
+        """Move for one step (not before the first reading) and return what is sensed, or None after `stop`.
+
+        A step whose frame is missing gives no reading; the next reading's motion covers it as well.
+        """
         if self._stopped:
             return None
         self._steps += 1
         motion = self._move() if self._steps else self._odometer.read(0.0, 0.0, 0.0)
+        while self._steps and self._frame_is_missing():
+            self._steps += 1
+            motion = joined(motion, self._move())
         pose = self._body.x, self._body.y, self._body.heading
         image, encoded = self._camera.shoot(self.world, *pose)
         return SimReading(
@@ -107,14 +119,21 @@ class SimRobot:
 
     def _move(self) -> OdometerReading:
         """Drive one step and read the odometer."""
+        dt = self._config.body.step
+        seconds = (self._steps - 1) * dt
         if self._driven:
             self._wheels = self._driver.command(self._body.x, self._body.y, self._body.heading)
-            self.world.open_gates(self._driver.laps)
             # the reading at standstill is the first that the stack answers
             self._driven = not self._driver.done
-        dt = self._config.body.step
+        self._events.before_step(seconds)
         way, turn = self._body.advance(*self._wheels, dt)
-        return self._odometer.read(way, turn, dt)
+        blocked = self._body.wanted(self._wheels[0], dt) - way
+        self._events.carry_away(seconds + dt)
+        return self._odometer.read(way, turn, dt, blocked, self._body.contact)
+
+    def _frame_is_missing(self) -> bool:
+        share = self._config.camera.missing
+        return share > 0 and self._missing.random() < share
 
     def _stamp(self) -> int:
         return EPOCH_NS + max(0, self._steps) * round(self._config.body.step * 1e9)

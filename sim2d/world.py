@@ -58,6 +58,7 @@ class World:
         self._things: list[tuple[Box | Cylinder, pymunk.Shape]] = []
         self.people = People(self.space)
         self.daylight = EVEN
+        self.hour: float | None = None
         builder = AtlasBuilder(seed)
         self.floor = builder.ground(spec.floor)
         self.ceiling = builder.ground(spec.ceiling)
@@ -89,6 +90,7 @@ class World:
 
     def set_hour(self, hour: float | None) -> None:
         """Light the world by its lamps and windows at an hour of the day, or evenly (None)."""
+        self.hour = hour
         self._builder.repaint(hour)
         self.daylight = EVEN if hour is None else daylight_at(self.spec, self.scene(), hour)
 
