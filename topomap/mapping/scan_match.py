@@ -15,13 +15,14 @@ from topomap.types import Float32Array
 class ScanMatchSettings(BaseModel, frozen=True, extra="forbid"):
     """How two scans are laid over one another."""
 
-    neighbours: int = Field(4, ge=1, description="rays to either side that make a surface")
+    neighbours: int = Field(8, ge=1, description="rays to either side that make a surface")
     flatness: float = Field(0.1, gt=0, lt=1, description="how much a surface may bend")
     widest: float = Field(0.3, gt=0, description="pairs further apart don't count at first [m]")
     narrowest: float = Field(0.05, gt=0, description="... and in the end [m]")
     iterations: int = Field(12, ge=2, description="steps of the alignment")
     window: int = Field(10, ge=1, description="rays to either side that a point may be paired with")
     min_share: float = Field(0.25, gt=0, le=1, description="share of all rays that must find a partner")
+    told: float = Field(0.04, gt=0, lt=1, description="a direction that fewer of the pairs tell isn't told [share]")
     sigma: float = Field(0.015, gt=0, description="least error of a pair [m]")
 
 
@@ -54,8 +55,24 @@ def match_scans(
         )
         if used < s.min_share * len(a):
             return None
-        # where the surfaces don't tell, the guess stands
-        pose -= np.linalg.solve(information + 1e-3 * np.eye(3), gradient)
+        pose -= _inverse(information, s.told) @ gradient
         pose[2] = wrap(float(pose[2]))
     variance = max(s.sigma**2, error / used)
-    return ScanMatch(pose, variance * np.linalg.inv(information + 1e-6 * np.eye(3)), used / len(a))
+    return ScanMatch(pose, variance * _inverse(information, s.told, UNTOLD), used / len(a))
+
+
+UNTOLD = 1e6  # the covariance of what isn't told, in pair variances
+
+
+def _inverse(information: FloatArray, told: float, otherwise: float = 0.0) -> FloatArray:
+    """Invert an information (3, 3) in those directions that enough pairs tell; `otherwise` stands for the others.
+
+    Noisy normals seem to tell of every direction a little, along a bare corridor too. A turn is weighed by what it
+    moves the points, so that all directions count pairs.
+    """
+    arm = np.sqrt(max(information[2, 2] / max(information[0, 0] + information[1, 1], 1e-12), 1e-12))
+    scale = np.array([1.0, 1.0, 1.0 / arm])
+    pairs, directions = np.linalg.eigh(information * np.outer(scale, scale))
+    values = np.where(pairs > told * pairs[-1], 1.0 / np.maximum(pairs, 1e-12), otherwise)
+    inverse: FloatArray = (directions * values) @ directions.T * np.outer(scale, scale)
+    return inverse
