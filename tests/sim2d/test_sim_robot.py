@@ -105,7 +105,7 @@ def drive(world: World, config: SimConfig) -> tuple[list[tuple[float, float, flo
     return poses, contact
 
 
-@pytest.mark.parametrize("name", worlds.names())
+@pytest.mark.parametrize("name", ("hall", "office-loop", "room-corridor"))
 def test_the_driver_completes_each_route_without_contact(name: str) -> None:
     world = worlds.load(name)
     poses, contact = drive(world, SimConfig())

@@ -20,7 +20,7 @@ def add_to(app: typer.Typer) -> None:
 
 
 def run(
-    world: str = typer.Argument(help="Named world, e.g. room-corridor, hall or office-loop."),
+    world: str = typer.Argument(help="Named world (see topomap worlds), world file (.toml) or floor plan (map.yaml)."),
     seed: int = typer.Option(0, min=0, help="Seed of all that is random in the run."),
     config: Path | None = typer.Option(None, help="TOML file with settings."),
     settings: list[str] = typer.Option([], "--set", metavar="SECTION.KEY=VALUE", help="One setting; may repeat."),
@@ -33,8 +33,8 @@ def run(
 
     chosen = load_config(config, settings)
     robot = runs.open_world(world, seed, chosen)
-    folder = RunFolder.create(out or Path("runs") / f"{world}-{seed}")
-    with progress(world, robot.expected_steps) as advance:
+    folder = RunFolder.create(out or Path("runs") / f"{robot.world.name}-{seed}")
+    with progress(robot.world.name, robot.expected_steps) as advance:
         result = runs.run_world(robot, seed, chosen, folder, advance)
     show(result)
 
