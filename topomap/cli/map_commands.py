@@ -27,10 +27,13 @@ def _group() -> None:
 def tuc(
     path: Path = typer.Argument(help="Folder of a TUC recording: *_Input.txt and, if known, *_GT.txt."),
     out: Path | None = typer.Option(None, help="Folder for trajectory, summary and report [runs/NAME]."),
+    building_axes: bool = typer.Option(
+        False, "--building-axes", help="Assume that straight stretches run along the building's two axes."
+    ),
 ) -> None:
     """Map a recording in the TUC format: odometry and loop candidates; write trajectory, summary and report."""
     from topomap.app import recordings
 
     with console.status("mapping") if console.is_terminal else nullcontext():
-        result = recordings.map_tuc(path, out or Path("runs") / path.resolve().name)
+        result = recordings.map_tuc(path, out or Path("runs") / path.resolve().name, building_axes)
     show(result)

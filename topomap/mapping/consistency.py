@@ -54,6 +54,15 @@ def support(claims: Claims, poses: FloatArray, travelled: FloatArray, settings: 
     return total
 
 
+def company(claims: Claims, travelled: FloatArray, window: float) -> FloatArray:
+    """Return (M,) the summed weights of all closures near each, whether they agree or not: how dense they are."""
+    a, b = neighbours(claims, travelled, window)
+    total = np.zeros(len(claims.i))
+    np.add.at(total, a, claims.weight[b])
+    np.add.at(total, b, claims.weight[a])
+    return total
+
+
 def neighbours(claims: Claims, travelled: FloatArray, window: float) -> tuple[IntArray, IntArray]:
     """Return the pairs a, b (P,) of closures with ends within the window [m] and not the same j."""
     order = np.argsort(travelled[claims.j], kind="stable")

@@ -12,6 +12,7 @@ from topomap.mapping.backend import OdometryEdge
 from topomap.mapping.chain import Chain
 from topomap.mapping.odometry import Calibration, EdgeIncrements, Increments, IntArray, Preintegrated, track
 from topomap.study.datasets.tuc import TucRecording
+from topomap.study.run_data import BoolArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +59,16 @@ class Drive:
         """The way travelled up to each node (N,) [m as read]."""
         steps = np.hypot(self.increments.deltas[:, 0], self.increments.deltas[:, 1])
         return np.concatenate([[0.0], np.cumsum(steps)])[self.marks]
+
+    def straight(self, length: float, largest: float) -> BoolArray:
+        """Return (N,) whether the drive turns by at most `largest` [rad] over `length` [m] around each node."""
+        deltas = self.increments.deltas
+        way = np.concatenate([[0.0], np.cumsum(np.hypot(deltas[:, 0], deltas[:, 1]))])
+        turned = np.concatenate([[0.0], np.cumsum(deltas[:, 2])])
+        before = np.searchsorted(way, way[self.marks] - length / 2)
+        after = np.minimum(np.searchsorted(way, way[self.marks] + length / 2), len(way) - 1)
+        inside = (way[self.marks] >= length / 2) & (way[self.marks] <= way[-1] - length / 2)
+        return np.asarray(inside & (np.abs(turned[after] - turned[before]) <= largest))
 
     def dead_reckoning(self, calibration: Calibration) -> FloatArray:
         """Return (K + 1, 3) the calibrated odometry's poses at all stamps."""

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from topomap.geometry import FloatArray, Pose2
 from topomap.mapping.backend import Closures
-from topomap.mapping.consistency import Claims, support
+from topomap.mapping.consistency import Claims, company, support
 from topomap.mapping.odometry import Calibration, IntArray
 from topomap.study.datasets.tuc import TucRecording
 from topomap.study.run_data import BoolArray
@@ -17,30 +17,36 @@ from topomap.study.tuc_drive import Drive
 from topomap.study.tuc_settings import TucSettings
 from topomap.types import Candidate
 
+LEAST_SUPPORT = 1e-6  # a loop that no neighbour agrees with has none
 ANY_HEADING = (2 * math.pi) ** 2  # [rad^2] the recordings give no heading
 
 
 @dataclass(frozen=True, eq=False)
 class Loops:
     """M candidates "the same place": query, match (M,) node ids, -1 for stamps outside the recording;
-    support (M,): the summed similarity of neighbours that agree."""
+    support (M,): the summed similarity of neighbours that agree; needed: how much of it a loop must have, a share of
+    what all neighbours, agreeing or not, sum up to on average: as dense as the candidates are, so much is asked."""
 
     recording: TucRecording
     query: IntArray
     match: IntArray
     support: FloatArray
     covariance: FloatArray
+    needed: float
 
     @staticmethod
-    def of(recording: TucRecording, drive: Drive, settings: TucSettings) -> Loops:
-        """Find the candidates' nodes and who supports whom."""
+    def of(recording: TucRecording, drive: Drive, settings: TucSettings, curvature: float) -> Loops:
+        """Find the candidates' nodes and who supports whom by an odometry of this curvature [rad/m]."""
         query, match = drive.node_at(recording.query_ns), drive.node_at(recording.match_ns)
         covariance = np.diag([settings.closure_sigma**2, settings.closure_sigma**2, ANY_HEADING])
-        loops = Loops(recording, query, match, np.zeros(len(query)), covariance)
+        loops = Loops(recording, query, match, np.zeros(len(query)), covariance, 0.0)
         told = np.flatnonzero(loops.known() & (loops.way(drive) >= settings.min_way))
-        odometry = drive.dead_reckoning(Calibration(curvature=settings.start_curvature))[drive.marks]
-        loops.support[told] = support(loops._claims(told), odometry, drive.way, settings.support)
-        return loops
+        claims = loops._claims(told)
+        odometry = drive.dead_reckoning(Calibration(curvature=curvature))[drive.marks]
+        loops.support[told] = support(claims, odometry, drive.way, settings.support)
+        around = company(claims, drive.way, settings.support.window)
+        needed = settings.min_support * float(around.mean()) if len(around) else 0.0
+        return replace(loops, needed=max(needed, LEAST_SUPPORT))
 
     def known(self) -> BoolArray:
         """Return (M,) whether both stamps lie in the recording."""

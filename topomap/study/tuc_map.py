@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import hashlib
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 
 from topomap.geometry import FloatArray, Pose2, between
-from topomap.mapping.backend import BackendSettings, Closures, Problem, Solution, solve
+from topomap.mapping.backend import AxisEdge, BackendSettings, Closures, Problem, Solution, solve
 from topomap.mapping.calibration import calibration_state
 from topomap.mapping.evidence import OdometryGate
 from topomap.mapping.ledger import Ledger, key_of
@@ -23,6 +24,7 @@ from topomap.types import CalibrationState, Estimate, Verdict
 
 # same-place loops see rotation, not distance (DESIGN.md): the distance scale is held while solving
 HELD = 1e-4
+OFFSETS = (-0.5, 0.5, -1.0, 1.0)  # other starting curvatures, in sigmas of its prior
 
 
 def map_tuc(
@@ -36,7 +38,7 @@ def map_tuc(
     _, final = drive.between_nodes(solution.poses, solution.calibration)
     accepted = [(c.match, c.query, "closure") for c in ledger.accepted if c.query is not None]
     return RunData(
-        world=recording.name,
+        world=recording.name + (" (building axes assumed)" if chosen.building_axes else ""),
         seed=None,
         config=chosen.model_dump(mode="json"),
         versions=dict(versions or {}),
@@ -57,16 +59,16 @@ def map_tuc(
 def _map(recording: TucRecording, settings: TucSettings) -> tuple[TucMapping, Solution]:
     """Map the drive; where few loops are believed, also from other curvatures, and take where most are."""
     best = _from(recording, settings, settings.start_curvature)
-    if best[0].believed >= settings.min_believed:
-        return best
-    for offset in (-settings.curvature_sigma, settings.curvature_sigma):
-        other = _from(recording, settings, settings.start_curvature + offset)
+    for offset in OFFSETS:
+        if best[0].believed >= settings.min_believed:
+            break
+        other = _from(recording, settings, settings.start_curvature + offset * settings.curvature_sigma)
         best = max(best, other, key=lambda end: end[0].believed)
-    return best
+    return best if best[0].believed >= settings.min_standing else best[0].given_up()
 
 
 def _from(recording: TucRecording, settings: TucSettings, curvature: float) -> tuple[TucMapping, Solution]:
-    mapping = TucMapping(recording, settings.model_copy(update={"start_curvature": curvature}))
+    mapping = TucMapping(recording, settings, curvature)
     mapping.grow()
     return mapping, mapping.close()
 
@@ -74,32 +76,39 @@ def _from(recording: TucRecording, settings: TucSettings, curvature: float) -> t
 class TucMapping:
     """The map of one drive as it grows."""
 
-    def __init__(self, recording: TucRecording, settings: TucSettings) -> None:
-        self._s = settings
+    def __init__(self, recording: TucRecording, settings: TucSettings, curvature: float) -> None:
+        self._s, self._given = settings, settings.start_curvature
         self.drive = Drive.of(recording)
-        self.loops = Loops.of(recording, self.drive, settings)
+        self.loops = Loops.of(recording, self.drive, settings, curvature)
         self.ledger = Ledger()
         self._gate = OdometryGate(settings.gate)
-        self._calibration = self._start = Calibration(curvature=settings.start_curvature)
+        self._calibration = self._start = Calibration(curvature=curvature)
         self._sigmas = (settings.rotation_sigma, settings.curvature_sigma, HELD)
         self._poses = np.zeros((1, 3))
         self._active = np.zeros(0, np.int64)
         self._newest: int | None = None
+        self._axes = self._straight() if settings.building_axes else ()
         self.online = np.zeros((len(self.drive.stamps_ns), 3))
         self._candidates = [self.loops.candidate(k) for k in range(len(self.loops.query))]
         self._waiting = self._sift()
 
+    def _straight(self) -> tuple[AxisEdge, ...]:
+        """Return the nodes on straight stretches, which the building's axes are taken to run along."""
+        sigma = math.radians(self._s.axis_sigma_deg)
+        nodes = np.flatnonzero(self.drive.straight(self._s.straight, sigma)[:-1])
+        return tuple(AxisEdge(k, k + 1, sigma) for k in nodes.tolist())
+
     def _sift(self) -> IntArray:
         """Refuse what says nothing and what no neighbour supports; return the others."""
         known, way = self.loops.known(), self.loops.way(self.drive)
-        needed = self._s.min_support
+        needed = self.loops.needed
         for k in np.flatnonzero(~known):
             self._decide(int(k), Verdict.REFUSED, "a stamp lies outside the recording")
         for k in np.flatnonzero(known & (way < self._s.min_way)):
             self._decide(int(k), Verdict.REFUSED, f"only {way[k]:.1f} m of way between: it says nothing")
         told = known & (way >= self._s.min_way)
         for k in np.flatnonzero(told & (self.loops.support < needed)):
-            found = f"{self.loops.support[k]:.2f} of at least {needed:g}"
+            found = f"{self.loops.support[k]:.2f} of at least {needed:.2f}"
             self._decide(int(k), Verdict.REFUSED, f"too few neighbours along the way agree ({found})")
         return np.flatnonzero(told & (self.loops.support >= needed))
 
@@ -162,6 +171,7 @@ class TucMapping:
                 calibration=self._calibration,
                 prior=self._start,
                 prior_sigmas=self._sigmas,
+                axes=tuple(axis for axis in self._axes if axis.i < len(edges)),
             ),
             settings,
         )
@@ -195,10 +205,21 @@ class TucMapping:
             self.ledger.decide(now, candidate, Verdict.REFUSED, "it doesn't fit the finished map")
         return solution
 
+    def given_up(self) -> tuple[TucMapping, Solution]:
+        """Withdraw every loop and return the drive as odometry has it from the start: too few fit to mean anything."""
+        now = int(self.drive.node_stamps[-1])
+        reason = f"only {100 * self.believed:.1f} % of the supported loops fit together: by chance"
+        for candidate in self.ledger.accepted:
+            self.ledger.withdraw(now, key_of(candidate), reason)
+        self._calibration = self._start = Calibration(curvature=self._given)
+        self.online = self.drive.dead_reckoning(self._start)
+        self._poses = self.online[self.drive.marks]
+        return self, self._solve(np.zeros(0, np.int64), self._s.closing)
+
     @property
     def believed(self) -> float:
         """The share of the loops with support that stands; 1 if there are none."""
-        supported = int((self.loops.support >= self._s.min_support).sum())
+        supported = int((self.loops.support >= self.loops.needed).sum())
         return len(self.ledger.accepted) / supported if supported else 1.0
 
     def calibration_state(self, solution: Solution) -> CalibrationState:

@@ -23,7 +23,11 @@ class TucSettings(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     min_way: float = Field(default=5.0, ge=0, description="pairs with less way between say nothing [m]")
-    min_support: float = Field(default=1.0, ge=0, description="summed similarity of agreeing neighbours")
+    min_support: float = Field(
+        default=0.25,
+        ge=0,
+        description="summed similarity of agreeing neighbours, in units of what all neighbours of a loop sum up to",
+    )
     support: SupportSettings = Field(default_factory=SupportSettings, description="which neighbours agree")
     gate: GateSettings = Field(default_factory=GateSettings, description="when odometry contradicts")
     closure_sigma: float = Field(default=1.0, gt=0, description="how far apart the places of a loop lie [m]")
@@ -35,6 +39,12 @@ class TucSettings(BaseModel):
     min_believed: float = Field(
         default=0.2, ge=0, le=1, description="share of supported loops below which other curvatures are tried"
     )
+    min_standing: float = Field(
+        default=0.05, ge=0, le=1, description="share of supported loops below which those that fit do so by chance"
+    )
+    building_axes: bool = Field(default=False, description="straight stretches run along the building's axes")
+    axis_sigma_deg: float = Field(default=3.0, gt=0, le=45, description="how straight a corridor is driven [degree]")
+    straight: float = Field(default=3.0, gt=0, description="way over which a stretch is straight [m]")
     rotation_sigma: float = Field(default=0.05, gt=0, description="prior sigma of the log rotation scale")
     curvature_sigma: float = Field(default=0.01, gt=0, description="prior sigma of the curvature [rad/m]")
     distance_sigma: float = Field(default=0.1, gt=0, description="prior sigma of the distance scale")

@@ -1,10 +1,11 @@
 """The door to gtsam: a pose graph with unknown odometry errors in, corrected poses out."""
 
-from topomap.mapping.backend.problem import ClosureEdge, Closures, OdometryEdge, Problem, Solution, TurnEdge
+from topomap.mapping.backend.problem import AxisEdge, ClosureEdge, Closures, OdometryEdge, Problem, Solution, TurnEdge
 from topomap.mapping.backend.settings import BackendSettings
 from topomap.mapping.backend.solver import solve
 
 __all__ = [
+    "AxisEdge",
     "BackendSettings",
     "ClosureEdge",
     "Closures",

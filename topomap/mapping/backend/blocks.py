@@ -138,3 +138,34 @@ def turn_blocks(poses: FloatArray, i: IntArray, j: IntArray, turn: FloatArray, s
     by_j = np.zeros((len(i), 1, 3))
     by_j[:, 0, 2] = 1 / sigma
     return Blocks(i, j, -by_j, by_j, None, residual[:, None])
+
+
+def axis_blocks(poses: FloatArray, i: IntArray, j: IntArray, sigma: FloatArray) -> Blocks:
+    """Return how far the headings of i are off the nearest building axis, in sigmas (n,), as residuals of one row.
+
+    The axes' direction is the one that fits these headings best: where they are densest, not their mean, so
+    that a robot across the corridor doesn't turn the building.
+    """
+    headings = poses[i, 2]
+    off = _to_axis(headings, _axis(headings, sigma)) / sigma
+    by_i = np.zeros((len(i), 1, 3))
+    by_i[:, 0, 2] = 1 / sigma
+    return Blocks(i, j, by_i, np.zeros_like(by_i), None, off[:, None])
+
+
+def _to_axis(headings: FloatArray, axis: float) -> FloatArray:
+    return wrap_all(4 * (headings - axis)) / 4
+
+
+def _axis(headings: FloatArray, sigma: FloatArray) -> float:
+    """Return the direction [rad] that most headings (n,) lie near, modulo a right angle."""
+    if not len(headings):
+        return 0.0
+    grid = np.arange(90) * (np.pi / 180)
+    near = np.exp(-0.5 * (wrap_all(4 * (headings[None, :] - grid[:, None])) / (4 * 2 * sigma)) ** 2).sum(axis=1)
+    axis = float(grid[int(np.argmax(near))])
+    for _ in range(5):
+        off = _to_axis(headings, axis)
+        weight = np.exp(-0.5 * (off / (2 * sigma)) ** 2)
+        axis += float((weight * off).sum() / weight.sum())
+    return axis

@@ -52,6 +52,18 @@ class TurnEdge:
     sigma: float
 
 
+@dataclass(frozen=True, slots=True)
+class AxisEdge:
+    """Node i, on the way to j, looks along one of a building's axes (mod 90 degrees), with its sigma [rad].
+
+    An assumption about the building, not a measurement: whoever uses it says so.
+    """
+
+    i: int
+    j: int
+    sigma: float
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Closures:
     """M closures in one piece: i, j (M,), relative (M, 3), covariance (M, 3, 3), weight (M,)."""
@@ -103,6 +115,7 @@ class Problem:
     prior: Calibration = field(default_factory=Calibration)
     prior_sigmas: tuple[float, float, float] = PRIOR_SIGMAS
     anchor: int = 0
+    axes: tuple[AxisEdge, ...] = ()
 
     def __post_init__(self) -> None:
         if self.poses.ndim != 2 or self.poses.shape[1] != 3 or len(self.poses) == 0:
@@ -113,25 +126,27 @@ class Problem:
         self._check_numbers()
 
     def _check_ids(self) -> None:
-        pairs = [(e.i, e.j) for e in self.odometry] + [(t.i, t.j) for t in self.turns]
-        ends = np.array([*pairs, *zip(self.closures.i.tolist(), self.closures.j.tolist(), strict=True)], int)
+        pairs = [(e.i, e.j) for e in self.odometry] + [(t.i, t.j) for t in self.turns] + [(a.i, a.j) for a in self.axes]
+        ends = np.concatenate([np.array(pairs, np.int64).reshape(-1), self.closures.i, self.closures.j])
         if ends.size and (ends.min() < 0 or ends.max() >= len(self.poses)):
             raise TopomapError(f"an edge names a node outside 0..{len(self.poses) - 1}")
-
+        if any(i == j for i, j in pairs) or bool((self.closures.i == self.closures.j).any()):
+            raise TopomapError("an edge joins a node with itself")
         for a, b in pairwise(self.odometry):
             if a.j != b.i:
                 raise TopomapError(f"the odometry breaks between nodes {a.j} and {b.i}; edges follow the way travelled")
 
     def _check_numbers(self) -> None:
+        increments = [e.increments for e in self.odometry]
         named = {
-            "poses": (self.poses,),
-            "odometry": tuple(x for e in self.odometry for x in (e.increments.deltas, e.increments.covariances)),
-            "closures": (self.closures.relative, self.closures.covariance, self.closures.weight),
-            "turn observations": tuple(np.array([t.turn, t.sigma]) for t in self.turns),
-            "calibration": (self.calibration.vector(), self.prior.vector(), np.array(self.prior_sigmas)),
+            "poses": [self.poses],
+            "odometry": [x.reshape(-1) for e in increments for x in (e.deltas, e.covariances)],
+            "closures": [self.closures.relative, self.closures.covariance, self.closures.weight],
+            "turn observations": [np.array([(t.turn, t.sigma) for t in self.turns], float)],
+            "calibration": [self.calibration.vector(), self.prior.vector(), np.array(self.prior_sigmas)],
         }
         for name, arrays in named.items():
-            if not all(bool(np.isfinite(a).all()) for a in arrays):
+            if not bool(np.isfinite(np.concatenate([np.ravel(a) for a in arrays] or [np.zeros(0)])).all()):
                 raise TopomapError(f"the {name} of the pose graph hold NaN or infinite numbers")
 
 

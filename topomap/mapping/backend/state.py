@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from topomap.geometry import FloatArray, wrap_all
-from topomap.mapping.backend.blocks import Blocks, closure_blocks, odometry_blocks, turn_blocks
+from topomap.mapping.backend.blocks import Blocks, axis_blocks, closure_blocks, odometry_blocks, turn_blocks
 from topomap.mapping.backend.linear import LinearSystem
 from topomap.mapping.backend.problem import IntArray, Problem
 from topomap.mapping.backend.sparse import Pattern
@@ -45,6 +45,7 @@ class Linearised:
     odometry: Blocks
     closures: Blocks
     turns: Blocks
+    axes: Blocks
     prior: FloatArray
 
 
@@ -58,6 +59,8 @@ class Graph:
         self._turn_pairs = _pairs([(t.i, t.j) for t in problem.turns])
         self._turns = np.array([(t.turn, t.sigma) for t in problem.turns]).reshape(-1, 2)
         self._turn_cutoff = turn_cutoff
+        self._axis_pairs = _pairs([(a.i, a.j) for a in problem.axes])
+        self._axis_sigmas = np.array([a.sigma for a in problem.axes])
         self._sigmas = np.array(problem.prior_sigmas)
         self._latest: tuple[NDArray[np.bool_], Pattern] | None = None
 
@@ -83,6 +86,7 @@ class Graph:
             odometry_blocks(state.poses, state.calibration, self._pairs, edges),
             closure_blocks(state.poses, self.problem.closures),
             turn_blocks(state.poses, i, j, self._turns[:, 0], self._turns[:, 1]),
+            axis_blocks(state.poses, self._axis_pairs[:, 0], self._axis_pairs[:, 1], self._axis_sigmas),
             state.calibration.vector() - self.problem.prior.vector(),
         )
 
@@ -97,9 +101,13 @@ class Graph:
 
     def _firm(self, at: Linearised) -> float:
         prior = float(((at.prior / self._sigmas) ** 2).sum())
-        chi2, cutoff2 = at.turns.chi2(), self._turn_cutoff**2
-        turns = float((chi2 * cutoff2 / (chi2 + cutoff2)).sum())
-        return float(at.odometry.chi2().sum()) + turns + prior
+        faded = self._faded(at.turns) + self._faded(at.axes)
+        return float(at.odometry.chi2().sum()) + faded + prior
+
+    def _faded(self, blocks: Blocks) -> float:
+        """Return the error of residuals that fade out (Geman-McClure)."""
+        chi2, cutoff2 = blocks.chi2(), self._turn_cutoff**2
+        return float((chi2 * cutoff2 / (chi2 + cutoff2)).sum())
 
     def system(self, at: Linearised, weights: FloatArray) -> LinearSystem:
         """Return the linear system with closure weights (M,)."""
@@ -107,7 +115,8 @@ class Graph:
         system = LinearSystem(self._pattern(heard), self.problem.anchor)
         system.add_calibration_prior(at.prior, self._sigmas)
         system.add(at.odometry)
-        system.add(at.turns, geman_mcclure(at.turns.chi2(), self._turn_cutoff))
+        for blocks in (at.turns, at.axes):
+            system.add(blocks, geman_mcclure(blocks.chi2(), self._turn_cutoff))
         system.add(at.closures.among(heard), weights[heard])
         return system
 
@@ -115,8 +124,8 @@ class Graph:
         """Return the pattern of the system with some of the closures (M,); those without weight make no fill."""
         if self._latest is None or not np.array_equal(self._latest[0], heard):
             closures = self.problem.closures
-            i = np.concatenate([self._pairs[:, 0], self._turn_pairs[:, 0], closures.i[heard]])
-            j = np.concatenate([self._pairs[:, 1], self._turn_pairs[:, 1], closures.j[heard]])
+            i = np.concatenate([self._pairs[:, 0], self._turn_pairs[:, 0], self._axis_pairs[:, 0], closures.i[heard]])
+            j = np.concatenate([self._pairs[:, 1], self._turn_pairs[:, 1], self._axis_pairs[:, 1], closures.j[heard]])
             self._latest = heard, Pattern.of(len(self.problem.poses), i, j)
         return self._latest[1]
 
