@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
@@ -72,6 +73,7 @@ class Recipe:
 
 KEPT = 2
 _MADE: dict[Recipe, Arena] = {}
+atexit.register(_MADE.clear)  # a world freed later than its physics engine complains
 
 
 def central(positions: FloatArray) -> Point:

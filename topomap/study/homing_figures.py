@@ -58,7 +58,9 @@ def homing_routes(axes: Axes, entry: Entry, ground: int = 0) -> None:
         axes.plot(walk.path[:, 0], walk.path[:, 1], look, color=color, linewidth=1.3, zorder=4)
         axes.plot(*walk.path[0], "o", color=color, markersize=4, markeredgecolor="white", markeredgewidth=0.5, zorder=5)
         if not walk.reached:
-            axes.plot(*walk.path[-1], "X", color=color, markersize=5.5, markeredgecolor="white", zorder=5)
+            axes.plot(
+                *walk.path[-1], "X", color=color, markersize=6, markeredgecolor="white", markeredgewidth=0.4, zorder=5
+            )
     _home(axes, home)
 
 
@@ -73,7 +75,7 @@ def method_figure(table: Table, entry: Entry, row: Row) -> Figure:
     if not entry.acting:
         vector_map(panels[0], entry)
         panels[0].set_title(_errors_said(row), fontsize=9.5, loc="left")
-        _colours(figure, [panels[0]])
+        _colours(figure, list(panels))
     if walked:
         homing_routes(panels[-1], entry)
         panels[-1].set_title(_walks_said(entry, row), fontsize=9.5, loc="left")

@@ -16,8 +16,8 @@ from topomap.study.homing_arena import Point
 from topomap.vision.homing.goal_view import HomingPolicy
 from topomap.vision.panorama import Panorama
 
-SLIDES = (0.0, 40.0, -40.0, 80.0, -80.0)
-"""Detours [degrees] that are tried in turn when something stands in the way."""
+SLIDES = (0.0, 40.0, 80.0, 110.0, -40.0, -80.0, -110.0)
+"""Detours [degrees] that are tried in turn when something stands in the way; mirrored while it slides to the right."""
 
 
 class WalkSettings(BaseModel, frozen=True, extra="forbid"):
@@ -27,6 +27,7 @@ class WalkSettings(BaseModel, frozen=True, extra="forbid"):
     reach: float = Field(0.2, gt=0, le=2, description="home counts as reached within this distance [m]")
     longest: float = Field(2.5, ge=1, le=20, description="longest path, as a multiple of the direct one")
     longest_policy: float = Field(10.0, ge=1, le=100, description="the same for policies, which move to look")
+    coast: int = Field(5, ge=0, le=100, description="steps that it keeps its direction without an answer")
     clearance: float = Field(0.2, ge=0, le=1, description="what must stay free ahead after a step [m]")
 
 
@@ -56,17 +57,22 @@ def walk(steer: Steer, start: Pose2, home: Point, turning: bool, settings: WalkS
     """Walk from a start pose by asking `steer` anew at every step.
 
     turning: the robot looks where it goes; otherwise it keeps its heading. It slides along what the ranges say is in
-    the way, and gives up where nothing is free or nothing was answered.
+    the way, keeps its direction for `coast` steps without an answer, and gives up where nothing is free.
     """
     pose, path = start, [(start.x, start.y)]
-    direct = math.dist(path[0], home)
+    direct, last, silent, side = math.dist(path[0], home), math.nan, 0, 1.0
     for _ in range(math.ceil(settings.longest * direct / settings.step) + 2):
         if math.dist(path[-1], home) <= settings.reach:
             return Walk(np.array(path), True)
         direction, seen = steer(pose)
-        free = _free_direction(seen, pose, direction, settings)
+        silent = 0 if math.isfinite(direction) else silent + 1
+        if silent:
+            direction = last if silent <= settings.coast else math.nan
+        last = direction
+        free = _free_direction(seen, pose, direction, settings, side)
         if free is None:
             break
+        side = math.copysign(1.0, wrap(free - direction)) if free != direction else side
         heading = free if turning else pose.heading
         pose = Pose2(pose.x + settings.step * math.cos(free), pose.y + settings.step * math.sin(free), heading)
         path.append((pose.x, pose.y))
@@ -107,13 +113,15 @@ def policy_walk(policy: HomingPolicy[Any], eyes: Eyes, start: Pose2, home: Point
     return Walk(np.array(path), math.dist(path[-1], home) <= settings.reach)
 
 
-def _free_direction(seen: Panorama, pose: Pose2, wanted: float, settings: WalkSettings) -> float | None:
+def _free_direction(
+    seen: Panorama, pose: Pose2, wanted: float, settings: WalkSettings, side: float = 1.0
+) -> float | None:
     if not math.isfinite(wanted):
         return None
     if seen.ranges is None:
         return wanted
     for slide in SLIDES:
-        direction = wrap(wanted + math.radians(slide))
+        direction = wrap(wanted + side * math.radians(slide)) if slide else wanted
         if _clear(seen.ranges.astype(np.float64), direction - pose.heading, settings.step + settings.clearance):
             return direction
     return None

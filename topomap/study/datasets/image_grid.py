@@ -190,7 +190,7 @@ def _from_csv(folder: Path, spec: GridSpec) -> Iterator[Shot]:
 
 def _from_names(folder: Path, spec: GridSpec) -> Iterator[Shot]:
     escaped = re.escape(str(spec.pattern))
-    named = re.sub(r"\\{(x|y|heading)\\}", rf"(?P<\1>{NUMBER})", escaped)
+    named = re.sub(r"\\{(x|y|heading)\\}", lambda field: f"(?P<{field[1]}>{NUMBER})", escaped)
     try:
         pattern = re.compile(named)
     except re.error as error:

@@ -1,0 +1,103 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from topomap.app.bench import available, parse_point, parse_seeds, request, run_study
+from topomap.app.views import WorldViews, world_arena, world_recipe
+from topomap.cli.main import app
+from topomap.errors import DataError, TopomapError
+from topomap.study.homing_bench import BenchSettings
+from topomap.study.homing_pool import Store
+
+
+@pytest.fixture(scope="module")
+def arena():  # type: ignore[no-untyped-def]
+    return world_arena("a1original", 0, ())
+
+
+def test_the_same_pose_gives_the_same_view_whatever_was_asked_before(arena) -> None:  # type: ignore[no-untyped-def]
+    views: WorldViews = arena.source
+    first = views.view(*arena.home, 0.3)
+    views.view(arena.home[0] + 0.1, arena.home[1], 1.0)
+    again = views.view(*arena.home, 0.3)
+    assert np.array_equal(first.image, again.image)
+    assert first.ranges is not None
+    assert np.array_equal(first.ranges, again.ranges, equal_nan=True)
+
+
+def test_sensors_are_noisy_unless_switched_off(arena) -> None:  # type: ignore[no-untyped-def]
+    quiet = WorldViews(arena.source.world, 0, noise=False).view(*arena.home, 0.0)
+    noisy = arena.source.view(*arena.home, 0.0)
+    difference = noisy.image.astype(float) - quiet.image
+    assert 1.0 < difference.std() < 3.0
+    assert np.nanstd(noisy.ranges - quiet.ranges) == pytest.approx(0.01, rel=0.3)
+
+
+def test_ranges_and_image_turn_with_the_robot(arena) -> None:  # type: ignore[no-untyped-def]
+    quiet = WorldViews(arena.source.world, 0, noise=False)
+    ahead, turned = quiet.view(*arena.home, 0.0), quiet.view(*arena.home, np.pi / 2)
+    assert np.allclose(ahead.rolled(-180).ranges, turned.ranges, atol=1e-3)
+    assert np.abs(ahead.rolled(-180).image.astype(float) - turned.image).mean() < 1.0
+
+
+def test_the_declared_grid_is_used(arena) -> None:  # type: ignore[no-untyped-def]
+    assert len(arena.positions) == 170
+    assert arena.spacing == pytest.approx(0.3)
+
+
+def test_seeds_and_points_are_read_or_refused() -> None:
+    assert parse_seeds("0-2,5") == [0, 1, 2, 5]
+    assert parse_point("1.5,-2") == (1.5, -2.0)
+    for wrong in ("", "a", "3-1", "1-"):
+        with pytest.raises(DataError, match="expected numbers like 0-4"):
+            parse_seeds(wrong)
+    with pytest.raises(DataError, match="expected X,Y in metres"):
+        parse_point("1")
+
+
+@pytest.mark.parametrize(
+    ("env", "methods", "compass", "message"),
+    [
+        ("atlantis", "all", "given", "unknown environment 'atlantis'; there are a1original"),
+        ("ourlab", "magic", "given", "unknown homing method 'magic'"),
+        ("ourlab", "all", "A9", "unknown compass 'A9'"),
+        ("", "all", "given", "name an environment"),
+    ],
+)
+def test_unknown_words_are_refused(env: str, methods: str, compass: str, message: str) -> None:
+    with pytest.raises(TopomapError, match=message):
+        request(env, [], methods, "0", None, BenchSettings(compass=compass))
+
+
+def test_the_command_writes_tables_and_pictures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("TOPOMAP_CACHE", str(tmp_path / "cache"))
+    words = ["bench", "homing", "--env", "a1original", "--methods", "area-centroid,alv", "--starts", "2",
+             "--jobs", "1", "--out", str(tmp_path / "out")]  # fmt: skip
+    result = CliRunner().invoke(app, words)
+    assert result.exit_code == 0, result.output
+    folder = tmp_path / "out" / "a1original-given"
+    assert {p.name for p in folder.iterdir()} == {
+        "table.json", "table.csv", "sheet.png", "area-centroid.png", "alv.png"
+    }  # fmt: skip
+    best = json.loads((folder / "table.json").read_text())["rows"][0]
+    assert best["method"] == "area-centroid"
+    assert best["mean"]["value"] < 3.0
+    assert best["success"]["value"] == 1.0
+
+
+def test_studies_that_are_listed_can_be_made(tmp_path: Path) -> None:
+    assert "occluded-landmarks" in [study.name for study in available()]
+    written = run_study("occluded-landmarks", "0", Store(None), 1, lambda _: None, tmp_path)
+    values = json.loads(written[1].read_text())["values"]
+    assert values["DELV"]["y"][0] < values["DELV"]["y"][-1]
+    with pytest.raises(DataError, match="unknown study 'nope'; there are "):
+        run_study("nope", "0", Store(None), 1, lambda _: None, tmp_path)
+
+
+def test_the_identity_of_a_world_knows_its_code() -> None:
+    assert len(world_recipe("ourlab", 0).identity) == 128
