@@ -14,7 +14,7 @@ from sim2d.scene import Scene
 from sim2d.shapes import Colour, Light, Point, Spec, Wall
 
 CELL, CELLS = 0.25, 250_000  # [m], at most so many
-LEAST = 0.2  # what reaches every corner by way of walls and ceiling
+LEAST = 0.3  # what reaches every corner by way of walls and ceiling
 PIECE = 0.8  # [m] a window lights like a lamp in the middle of each piece of it
 
 

@@ -68,7 +68,7 @@ def test_left_is_left_and_up_is_up() -> None:
     assert len(column(other.view(world, 0.0, 0.0, -math.pi / 2), 180, 0)) > 10
 
 
-@pytest.mark.parametrize("name", ("hall", "office-loop", "room-corridor"))
+@pytest.mark.parametrize("name", ["hall", "office-loop", "room-corridor"])
 @pytest.mark.parametrize("k", [1, 90, 331])
 def test_turning_by_k_columns_rolls_by_k(name: str, k: int) -> None:
     world = worlds.load(name)

@@ -93,7 +93,7 @@ def test_opening_the_gate_lets_rays_through() -> None:
     assert cast(world.scene(), 0.0, 0.0, ahead, REACH)[0] == pytest.approx(5.0)
 
 
-@pytest.mark.parametrize("name", ("hall", "office-loop", "room-corridor"))
+@pytest.mark.parametrize("name", ["hall", "office-loop", "room-corridor"])
 def test_no_ray_escapes_a_named_world(name: str) -> None:
     world = worlds.load(name)
     x, y = world.spec.route.ring[0]

@@ -105,7 +105,7 @@ def drive(world: World, config: SimConfig) -> tuple[list[tuple[float, float, flo
     return poses, contact
 
 
-@pytest.mark.parametrize("name", ("hall", "office-loop", "room-corridor"))
+@pytest.mark.parametrize("name", ["hall", "office-loop", "room-corridor"])
 def test_the_driver_completes_each_route_without_contact(name: str) -> None:
     world = worlds.load(name)
     poses, contact = drive(world, SimConfig())
@@ -201,5 +201,5 @@ def test_wrong_shapes_are_refused(change: dict[str, tuple[object, ...]], message
 
 
 def test_a_wrong_name_lists_the_right_ones() -> None:
-    with pytest.raises(WorldError, match="hall, office-loop, room-corridor"):
+    with pytest.raises(WorldError, match="hall, .*office-loop, .*room-corridor"):
         worlds.load("rooom")
