@@ -105,6 +105,25 @@ def around(home: Pose2, distance: float) -> list[Pose2]:
     ]
 
 
+POSTS = ((1.0, 1.0), (6.8, 0.9), (7.1, 3.4), (6.2, 5.3), (3.2, 5.5), (0.8, 4.2))
+"""Where the marker room's red posts stand [m]."""
+
+
+@cache
+def marker_view(pose: Pose2) -> Panorama:
+    """Red posts of 8 degrees before grey walls, seen from a pose, with ranges to the posts or 9 m."""
+    angles = np.arange(720) * math.tau / 720
+    image = np.full((100, 720, 3), 120, np.uint8)
+    image[50:] = 90
+    ranges = np.full(720, 9.0, np.float32)
+    for x, y in POSTS:
+        there = Pose2(x, y)
+        near = np.abs(np.angle(np.exp(1j * (angles - pose.bearing_to(there))))) <= math.radians(4)
+        image[10:80, near] = (220, 20, 20)
+        ranges[near] = pose.distance(there)
+    return Panorama(image, ranges)
+
+
 @cache
 def view(pose: Pose2, seed: int = 1) -> Panorama:
     """The room of a seed, seen from a pose; rendered once for all tests."""

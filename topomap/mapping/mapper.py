@@ -13,7 +13,7 @@ from topomap.mapping.ledger import Ledger
 from topomap.mapping.recognition import Recognition, RecognitionSettings
 from topomap.mapping.snapshots import SnapshotSettings, View, make_rule
 from topomap.mapping.survey import Survey
-from topomap.types import Decision, MapChange, NodeAdded, PlaceMatch, Verdict
+from topomap.types import Decision, MapChange, NodeAdded, PlaceMatch
 from topomap.vision.compare import rotation_difference, signature
 from topomap.vision.panorama import Panorama
 
@@ -50,7 +50,7 @@ class Mapper:
         difference = self._difference(panorama)
         added = self._keep(reading, panorama, difference)
         place, decisions = self._recognise(reading.stamp_ns, panorama)
-        solved, reviewed = self._correct(reading.stamp_ns, decisions)
+        solved, reviewed = self._correct(reading.stamp_ns)
         self._previous = panorama
         return MapChange(
             self.survey.pose,
@@ -64,8 +64,9 @@ class Mapper:
         )
 
     def finish(self, stamp_ns: int) -> None:
-        """End the map at the last reading, so that every step lies on it."""
+        """End the map at the last reading, so that every step lies on it, and correct it a last time."""
         self.survey.node_at(stamp_ns)
+        self.correction.solve(stamp_ns, self.ledger)
 
     def graph_hash(self) -> str:
         """Return the hash over nodes, edges, verdicts and poses."""
@@ -114,9 +115,8 @@ class Mapper:
         place = self._recognition.update(stamp_ns, travel, panorama, reachable)
         return place, self._closing.judge(stamp_ns, self._recognition.proposal())
 
-    def _correct(self, stamp_ns: int, decisions: tuple[Decision, ...]) -> tuple[bool, list[Decision]]:
-        closed = any(d.verdict is Verdict.ACCEPTED for d in decisions)
-        if not closed and not self.correction.due:
+    def _correct(self, stamp_ns: int) -> tuple[bool, list[Decision]]:
+        if not self.correction.due:
             return False, []
         solved, reviewed = self.correction.solve(stamp_ns, self.ledger)
         if solved:

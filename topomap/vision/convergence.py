@@ -15,7 +15,7 @@ FLOOR = 1e-3
 def points(metres: FloatArray) -> FloatArray:
     """Return the landmarks (W, 2) [m] of distances (W,) along the columns."""
     angles = np.arange(len(metres)) * (TAU / len(metres))
-    return metres[:, np.newaxis] * np.column_stack([np.cos(angles), np.sin(angles)])
+    return np.asarray(metres[:, np.newaxis] * np.column_stack([np.cos(angles), np.sin(angles)]), np.float64)
 
 
 def centroid(landmarks: FloatArray, weights: FloatArray) -> FloatArray:

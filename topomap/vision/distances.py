@@ -70,18 +70,19 @@ def ground_rows(panorama: Panorama) -> FloatArray:
     The edge is where the mean colour above and below differs most (5.1.1.2), smoothed along the bearing.
     """
     first = min(int(panorama.rig.horizon_row) + 1, panorama.rig.height - 1)
-    below = panorama.image[first:].astype(np.float64)
+    below = panorama.image[first:].astype(np.float32)
     count = len(below)
     if count < 3:
         return np.full(panorama.rig.width, float(panorama.rig.height - 1))
     summed = np.cumsum(below, axis=0)
-    size = np.arange(1, count)[:, np.newaxis, np.newaxis]
-    above, under = summed[:-1] / size, (summed[-1] - summed[:-1]) / (count - size)
-    score = np.sqrt(size * (count - size))[:, :, 0] * np.abs(above - under).sum(axis=2)
-    return first + 0.5 + _smooth(score).argmax(axis=0).astype(np.float64)
+    size = np.arange(1, count, dtype=np.float32)[:, np.newaxis, np.newaxis]
+    # mean above minus mean below, times the square root of their sizes' product
+    contrast = summed[:-1] * (count / np.sqrt(size * (count - size))) - summed[-1] * np.sqrt(size / (count - size))
+    highest = _smooth(np.abs(contrast).sum(axis=2)).argmax(axis=0)
+    return np.asarray(highest + (first + 0.5), np.float64)
 
 
-def _smooth(score: FloatArray) -> FloatArray:
+def _smooth(score: Float32Array) -> Float32Array:
     pad = min(8, score.shape[1])
     wrapped = np.concatenate([score[:, -pad:], score, score[:, :pad]], axis=1)
-    return np.asarray(cv2.blur(wrapped, (9, 1))[:, pad : pad + score.shape[1]], np.float64)
+    return np.asarray(cv2.blur(wrapped, (9, 1))[:, pad : pad + score.shape[1]], np.float32)

@@ -19,9 +19,9 @@ IntArray = NDArray[np.int64]
 
 @dataclass(frozen=True, slots=True)
 class Steps:
-    """The relative steps rho = step / distance that are tried: count of them, evenly up to `largest` < 1."""
+    """The relative steps rho = step / distance that are tried: count of them, evenly from 0 up to `largest` < 1."""
 
-    count: int = 10
+    count: int = 11
     largest: float = 0.75
 
 
@@ -36,10 +36,10 @@ def tables(n: int, phases: int, levels: int, step: float, steps: Steps) -> tuple
 
     The magnification is r_goal / r_current = 1 / |u - rho b|; levels 0: one plane per phase.
     """
-    x = np.arange(n) * (TAU / n)
+    x = np.arange(n, dtype=np.float64) * (TAU / n)
     shifts, planes = np.zeros((2, steps.count, n), np.int64)
     for k in range(steps.count):
-        rho = steps.largest * (k + 1) / steps.count
+        rho = steps.largest * k / (steps.count - 1)
         fine = np.rint(flow(x, rho) * n * phases / TAU).astype(np.int64)
         shifts[k] = fine // phases
         closer = -0.5 * np.log(1.0 - 2.0 * rho * np.cos(x) + rho * rho)

@@ -30,7 +30,7 @@ def _features(panorama: Panorama, feature: Feature) -> FloatArray:
         return np.ones((1, panorama.rig.width))
     colours = horizon(panorama)
     if feature in _CHANNEL:
-        return colours[_CHANNEL[feature]][np.newaxis]
+        return np.asarray(colours[_CHANNEL[feature]][np.newaxis], np.float64)
     if feature == "rgb":
         return colours
     if feature == "value":
@@ -38,9 +38,9 @@ def _features(panorama: Panorama, feature: Feature) -> FloatArray:
     if feature == "hsv":
         pixels = colours.T.astype(np.float32)[np.newaxis]
         hsv = cv2.cvtColor(pixels, cv2.COLOR_RGB2HSV)[0].T.astype(np.float64)
-        return hsv / np.array([[360.0], [1.0], [1.0]])
+        return np.asarray(hsv / np.array([[360.0], [1.0], [1.0]]), np.float64)
     grey = np.asarray(colours.mean(axis=0, keepdims=True), np.float64)
-    return grey if feature == "grey" else np.where(grey > np.median(grey), grey, 0.0)
+    return grey if feature == "grey" else np.asarray(np.where(grey > np.median(grey), grey, 0.0), np.float64)
 
 
 def horizon(panorama: Panorama) -> FloatArray:

@@ -32,6 +32,9 @@ class Landmarks:
         return len(self.bearings)
 
 
+_RING = RingSpec(columns=360, bands=5, blur=1.5)
+
+
 @dataclass(frozen=True, slots=True)
 class EdgeSpec:
     """Vertical edges: most, how many; apart [columns], the least gap; side [columns], how far a look reaches."""
@@ -39,7 +42,7 @@ class EdgeSpec:
     most: int = 40
     apart: int = 3
     side: int = 4
-    ring: RingSpec = RingSpec(columns=360, bands=5, blur=1.5)
+    ring: RingSpec = _RING
 
 
 EDGES = EdgeSpec()
@@ -67,7 +70,7 @@ def _edges(panorama: Panorama, spec: EdgeSpec) -> Landmarks:
 def _looks(bands: Float32Array, at: IndexArray, side: int) -> FloatArray:
     columns = bands.shape[1]
     left, right = bands[:, (at + side) % columns], bands[:, (at - side) % columns]
-    return np.concatenate([left, right]).T.astype(np.float64)
+    return np.asarray(np.concatenate([left, right]).T, np.float64)
 
 
 def _nearest(panorama: Panorama, bearings: FloatArray) -> FloatArray:
@@ -79,12 +82,13 @@ def _nearest(panorama: Panorama, bearings: FloatArray) -> FloatArray:
     if ranges.share == 0.0:
         return np.full(len(bearings), np.nan)
     columns = np.rint(bearings * width / TAU).astype(np.intp)
-    return np.min([ranges.metres[(columns + k) % width] for k in (-2, -1, 0, 1, 2)], axis=0)
+    beside = np.stack([ranges.metres[(columns + k) % width] for k in (-2, -1, 0, 1, 2)])
+    return np.asarray(beside.min(axis=0), np.float64)
 
 
 @dataclass(frozen=True, slots=True)
 class MarkerSpec:
-    """Colour markers: hue [0, 360) within hue_width [deg], at least this saturated and bright, at least `least` wide."""
+    """Colour markers: hue [0, 360) within hue_width [deg], saturated and bright enough, `least` wide."""
 
     hue: float = 0.0
     hue_width: float = 25.0

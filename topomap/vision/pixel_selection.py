@@ -33,9 +33,7 @@ def landmark_count(current: FloatArray, goal: FloatArray, least: int = 50) -> in
     return int(counts[int(np.argmax(scores))])
 
 
-def _score(
-    current: FloatArray, here: NDArray[np.intp], goal: FloatArray, there: NDArray[np.intp], width: int
-) -> float:
+def _score(current: FloatArray, here: NDArray[np.intp], goal: FloatArray, there: NDArray[np.intp], width: int) -> float:
     order = np.argsort(goal, kind="stable")
     sorted_goal = goal[order]
     at = np.clip(np.searchsorted(sorted_goal, current), 1, max(len(goal) - 2, 1))

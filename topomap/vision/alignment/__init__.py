@@ -2,6 +2,7 @@
 
 from topomap.contract import Aligner
 from topomap.vision.alignment.convergence_points import ConvergencePoints
+from topomap.vision.alignment.epipolar import EpipolarCompass
 from topomap.vision.alignment.given import GivenHeading
 from topomap.vision.alignment.min_warping import MinWarpingCompass
 from topomap.vision.alignment.phase_correlation import PhaseCorrelation
@@ -21,11 +22,13 @@ ALIGNERS: dict[str, Aligner] = {
     "min-warping-near-compass": MinWarpingCompass(search="compass"),
     "given": GivenHeading(),
     "convergence-points": ConvergencePoints(),
+    "epipolar": EpipolarCompass(),
 }
 
 __all__ = [
     "ALIGNERS",
     "ConvergencePoints",
+    "EpipolarCompass",
     "GivenHeading",
     "MinWarpingCompass",
     "PhaseCorrelation",

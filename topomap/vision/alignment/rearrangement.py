@@ -38,8 +38,9 @@ class Rearrangement:
         here, there = edges(current, self.recipe), edges(goal, self.recipe)
         if len(here) < 3 or len(there) < 3 or not np.isfinite(here.metres).all() or not np.isfinite(there.metres).all():
             return Alignment(wrap(prior or 0.0), 1.0, HomeVector(0.0, None, 0.0))
-        turns = np.arange(self.rotations) * (TAU / self.rotations)
-        found = [self._scatter(here, there, turn) for turn in turns]
+        turns = np.arange(self.rotations, dtype=np.float64) * (TAU / self.rotations)
+        unlike = np.sqrt(np.square(there.looks[:, np.newaxis] - here.looks[np.newaxis]).mean(axis=2))
+        found = [self._scatter(here, there, unlike, turn) for turn in turns]
         cost = np.array([f[0] for f in found])
         if prior is not None:
             cost = np.where(np.abs(wrap_all(turns - prior)) <= self.window, cost, np.inf)
@@ -50,10 +51,11 @@ class Rearrangement:
         sure = min(max(1.0 - float(cost[k]), 0.0), 1.0) if distance > 1e-6 else 0.0
         return Alignment(wrap(turn), float(cost[k]), HomeVector(wrap(bearing), distance, sure))
 
-    def _scatter(self, here: Landmarks, there: Landmarks, turn: float) -> tuple[float, FloatArray, float]:
+    def _scatter(
+        self, here: Landmarks, there: Landmarks, unlike: FloatArray, turn: float
+    ) -> tuple[float, FloatArray, float]:
         """Return cost, position [m] of the current place in the goal's frame, and what turns better [rad]."""
         bearings = here.bearings + turn
-        unlike = np.sqrt(np.square(there.looks[:, np.newaxis] - here.looks[np.newaxis]).mean(axis=2))
         apart = np.abs(wrap_all(there.bearings[:, np.newaxis] - bearings[np.newaxis]))
         cost = unlike + apart / self.slack
         g, c = cost.argmin(axis=0), np.arange(len(here))
@@ -71,4 +73,4 @@ class Rearrangement:
 
 
 def _points(bearings: FloatArray, metres: FloatArray) -> FloatArray:
-    return metres[:, np.newaxis] * np.column_stack([np.cos(bearings), np.sin(bearings)])
+    return np.asarray(metres[:, np.newaxis] * np.column_stack([np.cos(bearings), np.sin(bearings)]), np.float64)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from topomap.geometry import TAU, wrap, wrap_all
 from topomap.types import Alignment
 from topomap.vision.compare import Signature, SignatureSpec, parabola, signature, squared_differences
+from topomap.vision.homing.view_vector import same_views
 from topomap.vision.kernels import absolute_differences
 from topomap.vision.panorama import Panorama
 
@@ -33,7 +34,11 @@ class VisualCompass:
     window: float = math.radians(45.0)
 
     def align(self, current: Panorama, goal: Panorama, prior: float | None = None) -> Alignment:
-        """Return the rotation [rad] of least difference, within prior +- window where there is a prior."""
+        """Return the rotation [rad] of least difference, within prior +- window where there is a prior.
+
+        Raises ShapeError.
+        """
+        same_views(current, goal)
         curve = self.curve(signature(current, self.spec), signature(goal, self.spec))
         columns = len(curve)
         allowed = curve if prior is None else np.where(self._near(columns, prior), curve, np.inf)

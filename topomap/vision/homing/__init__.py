@@ -6,6 +6,7 @@ from topomap.contract import HomingMethod
 from topomap.vision.homing.acv import AverageCorrectionalVector
 from topomap.vision.homing.alv import AverageLandmarkVector
 from topomap.vision.homing.area_centroid import AreaCentroid
+from topomap.vision.homing.auto import Auto
 from topomap.vision.homing.bipolar import BipolarMasks
 from topomap.vision.homing.comalv import CentreOfMass, ModifiedCentreOfMass, ReferenceJacobian
 from topomap.vision.homing.convergence_point import ConvergencePoint
@@ -13,6 +14,7 @@ from topomap.vision.homing.delv import DistanceLandmarkVector
 from topomap.vision.homing.did import ImageDescent
 from topomap.vision.homing.did_moves import TrialMoves
 from topomap.vision.homing.dtw import DynamicWarping
+from topomap.vision.homing.epipolar import Epipolar
 from topomap.vision.homing.equal_warping import EqualWarping, RingWarping
 from topomap.vision.homing.goal_view import GoalView, HomingPolicy, ReferenceHoming
 from topomap.vision.homing.matched_filter import MatchedFilterDescent
@@ -23,10 +25,13 @@ from topomap.vision.homing.pixel_landmarks import PixelLandmarks
 from topomap.vision.homing.random_masks import RandomMasks, ReferenceMasks
 from topomap.vision.homing.run_down import RunDown
 from topomap.vision.homing.stationary_points import StationaryImage, StationaryPoints
+from topomap.vision.landmarks import MarkerSpec
 from topomap.vision.masks import MaskSpec
 
 METHODS: dict[str, HomingMethod[Any]] = {  # Any: each method keeps its own kind of description
     "alv": AverageLandmarkVector(),
+    "alv-all": AverageLandmarkVector(pairing="all"),
+    "alv-markers": AverageLandmarkVector(recipe=MarkerSpec(), pairing="all"),
     "acv": AverageCorrectionalVector(),
     "delv": DistanceLandmarkVector(),
     "delv-full": DistanceLandmarkVector(pairing="full"),
@@ -60,6 +65,8 @@ METHODS: dict[str, HomingMethod[Any]] = {  # Any: each method keeps its own kind
     "dtw-unifying": DynamicWarping(),
     "dtw-inhibited": DynamicWarping(inhibition="target"),
     "dtw-swing": DynamicWarping(swing=0.2618),
+    "epipolar": Epipolar(),
+    "auto": Auto(),
 }
 """Pure functions of two described panoramas."""
 
@@ -68,7 +75,7 @@ REFERENCE_METHODS: dict[str, ReferenceHoming] = {
     "mcomalv": ModifiedCentreOfMass(),
     "did": ImageDescent(),
     "did-far": ImageDescent(step=0.3),
-    "random-masks-references": ReferenceJacobian(RandomMasks()),
+    "random-masks-references": ReferenceJacobian(RandomMasks(), step=0.3),
     "masks-3": ReferenceMasks(),
     "masks-3-even": ReferenceMasks(MaskSpec(even=True)),
 }
@@ -89,7 +96,9 @@ __all__ = [
     "POLICIES",
     "REFERENCE_METHODS",
     "AreaCentroid",
+    "Auto",
     "DynamicWarping",
+    "Epipolar",
     "GoalView",
     "HomingPolicy",
     "MinWarping",

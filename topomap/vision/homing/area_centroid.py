@@ -16,6 +16,7 @@ from topomap.vision.homing.needs import Needs
 from topomap.vision.homing.view_vector import ViewVector, same_camera
 from topomap.vision.panorama import Panorama
 
+
 @dataclass(frozen=True, slots=True)
 class AreaCentroid:
     """2/3 sum r^3 u / sum r^2, at the current place minus at the goal (chapter 3.6; H15); metric.

@@ -48,7 +48,7 @@ class BipolarMasks:
         active = (activity >= highest) & (activity > self.inhibition * activity.mean()) & (activity > 1e-3)
         at = np.flatnonzero(active)
         looks = np.concatenate(strips)[:, at].T
-        return Landmarks(at * (TAU / width), looks, np.full(len(at), np.nan), panorama.rig)
+        return Landmarks(np.asarray(at * (TAU / width), np.float64), looks, np.full(len(at), np.nan), panorama.rig)
 
     def home(self, current: Landmarks, goal: Landmarks) -> HomeVector:
         """Return the bearing [rad] of the goal in the aligned frame. Raises ShapeError."""

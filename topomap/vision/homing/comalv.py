@@ -60,9 +60,13 @@ class ReferenceJacobian:
     """-J^-1 (O_C - O_H), with the field's Jacobian J from the goal's references: saddles home as well (H4, H19)."""
 
     needs: ClassVar[Needs] = Needs(compass=True)
-    claims_homing: ClassVar[bool] = True
     field: Field
     step: float = 0.1
+
+    @property
+    def claims_homing(self) -> bool:
+        """Whether the field is smooth enough for a Jacobian: random masks' absolute scores are not."""
+        return isinstance(self.field, CentreOfMass)
 
     def home(self, current: Panorama, goal: GoalView) -> HomeVector:
         """Return the bearing [rad] of the goal in the aligned frame. Raises ShapeError."""

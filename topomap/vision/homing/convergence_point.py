@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -22,7 +23,7 @@ class ConvergencePoint:
     Metric for point landmarks; a bearing only on pixel rings, which sample near walls more densely.
     """
 
-    claims_homing = True
+    claims_homing: ClassVar[bool] = True
     exponent: float = 3.0
     feature: Feature = "equal"
     distance: Source = "range"

@@ -13,7 +13,7 @@ from topomap.types import HomeVector
 from topomap.vision.homing.alv import Recipe, landmarks
 from topomap.vision.homing.needs import Needs
 from topomap.vision.homing.view_vector import same_camera, vector_home
-from topomap.vision.landmarks import EDGES, Landmarks, matched
+from topomap.vision.landmarks import EDGES, Landmarks, MarkerSpec, matched
 from topomap.vision.panorama import Panorama
 
 NOWHERE = HomeVector(0.0, None, 0.0)
@@ -29,12 +29,16 @@ class DistanceLandmarkVector:
     """
 
     needs: ClassVar[Needs] = Needs(compass=True, ranges=True)
-    claims_homing: ClassVar[bool] = True
     recipe: Recipe = EDGES
     pairing: Literal["matched", "full"] = "matched"
     levels: int = 0
     reach: float = math.radians(60.0)
     robust: bool = True
+
+    @property
+    def claims_homing(self) -> bool:
+        """Whether the landmarks are the same ones in both views, as in `AverageLandmarkVector`."""
+        return self.pairing == "matched" or isinstance(self.recipe, MarkerSpec)
 
     def describe(self, panorama: Panorama) -> Landmarks:
         """Return the landmarks with their distances [m]."""
@@ -75,7 +79,8 @@ def quantised(metres: FloatArray, levels: int) -> FloatArray:
 
 
 def _points(seen: Landmarks) -> FloatArray:
-    return seen.metres[:, np.newaxis] * np.column_stack([np.cos(seen.bearings), np.sin(seen.bearings)])
+    towards = np.column_stack([np.cos(seen.bearings), np.sin(seen.bearings)])
+    return np.asarray(seen.metres[:, np.newaxis] * towards, np.float64)
 
 
 def _known(points: FloatArray) -> FloatArray:

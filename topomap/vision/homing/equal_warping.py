@@ -20,6 +20,7 @@ from topomap.vision.scale_planes import WARPING, WarpingSpec, WarpingView, warpi
 from topomap.vision.warping import best, rotations
 
 STEPS = Steps()
+RING_144 = RingSpec(columns=144, bands=3, blur=2.0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -40,7 +41,7 @@ class RingWarping:
 
     needs: ClassVar[Needs] = Needs()
     claims_homing: ClassVar[bool] = True
-    spec: RingSpec = RingSpec(columns=144, bands=3, blur=2.0)
+    spec: RingSpec = RING_144
     phases: int = 2
     steps: Steps = STEPS
     window: float = math.pi

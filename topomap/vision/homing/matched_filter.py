@@ -8,12 +8,12 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from topomap.geometry import TAU
+from topomap.rig import Rig
 from topomap.types import Float32Array, HomeVector
 from topomap.vision.compare import normalised, shrunk
 from topomap.vision.homing.needs import Needs
 from topomap.vision.homing.view_vector import same_camera, vector_home
 from topomap.vision.panorama import Panorama
-from topomap.rig import Rig
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,7 +59,7 @@ class MatchedFilterDescent:
         same_camera(current.rig, goal.rig)
         left = (current.pixels - goal.pixels).astype(np.float64)
         templates = np.stack([current.along_x, current.along_y]).reshape(2, -1).astype(np.float64)
-        step = -(templates @ left.ravel())
+        step = np.asarray(-(templates @ left.ravel()), np.float64)
         normal = templates @ templates.T
         power = float(np.trace(normal))
         if power < 1e-9 or not goal.pixels.any():
@@ -67,7 +67,7 @@ class MatchedFilterDescent:
         size = float(np.sqrt(np.square(left).sum() * power)) + 1e-9
         share = min(float(np.hypot(*step)) / size * 4.0, 1.0)
         if self.form == "newton":
-            step = np.linalg.solve(normal + 1e-6 * power * np.eye(2), step)
+            step = np.asarray(np.linalg.solve(normal + 1e-6 * power * np.eye(2), step), np.float64)
         length = float(np.hypot(*step))
         return vector_home(float(step[0]), float(step[1]), length if share > 1e-9 else 1e12, share)
 

@@ -28,11 +28,15 @@ class Moment:
     (A.20); "area": m = n + 2 (3.40). m = 0 is void, and m = 1 with equal features sums to zero: both abstain.
     """
 
-    claims_homing = True
     exponent: float = 2.0
     feature: Feature = "grey"
     form: Form = "gradient"
     distance: Source = "range"
+
+    @property
+    def claims_homing(self) -> bool:
+        """Whether the lengths are distances: equal ones leave the saddle of (5.8)."""
+        return self.distance != "equal"
 
     @property
     def needs(self) -> Needs:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -23,7 +24,7 @@ class PixelLandmarks:
     comes from `distance`.
     """
 
-    claims_homing = True
+    claims_homing: ClassVar[bool] = True
     distance: Source = "ground"
     saturation: float = 0.25
     value: float = 0.2

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, TypeVar, cast
 
 import cv2
 import numpy as np
@@ -13,14 +13,15 @@ from topomap.errors import ShapeError
 from topomap.geometry import TAU, FloatArray, wrap
 from topomap.rig import Rig
 from topomap.types import Float32Array, HomeVector, Image
-from topomap.vision.compare import shrunk
+from topomap.vision.compare import normalised, shrunk
 from topomap.vision.homing.needs import Needs
 from topomap.vision.homing.view_vector import same_camera
 from topomap.vision.panorama import Panorama
 from topomap.vision.ring import RingSpec, ring
-from topomap.vision.stationary import FLOW, FlowSpec, fitted_flow
+from topomap.vision.stationary import FLOW, FlowSpec, fitted_flow, measured_flow
 
 _RING = RingSpec(columns=180)
+P = TypeVar("P", Image, Float32Array)
 WEAK = math.radians(0.5)
 """A flow of less than this amplitude [rad] tells no direction."""
 
@@ -120,8 +121,25 @@ def _robust(design: FloatArray, wanted: FloatArray, texture: FloatArray, rounds:
 
 
 def around_flow(goal: Image, current: Image) -> FloatArray:
-    """Return Farnebäck's (2003) dense flow goal -> current (R, C, 2) [pixels], computed across the seam."""
-    pad = goal.shape[1] // 4
-    wide = [cv2.copyMakeBorder(p, 0, 0, pad, pad, cv2.BORDER_WRAP) for p in (goal, current)]
-    flow = cv2.calcOpticalFlowFarneback(wide[0], wide[1], None, 0.5, 4, 21, 4, 7, 1.5, 0)  # type: ignore[call-overload]
-    return np.asarray(flow[:, pad : pad + goal.shape[1]], np.float64)
+    """Return Farnebäck's (2003) dense flow goal -> current (R, C, 2) [pixels], computed across the seam.
+
+    A view this low allows no image pyramid: the ring's block matching gives the large movements to start from.
+    """
+    columns = goal.shape[1]
+    coarse = measured_flow(_bands(current), _bands(goal), FLOW)[0] * (columns / TAU)
+    start = np.zeros((*goal.shape, 2), np.float32)
+    start[:, :, 0] = cv2.medianBlur(_around(coarse[np.newaxis].astype(np.float32), 8), 5)[:, 8:-8]
+    pad = columns // 8
+    wide = [_around(p, pad) for p in (goal, current)]
+    flags = cv2.OPTFLOW_USE_INITIAL_FLOW
+    flow = cv2.calcOpticalFlowFarneback(wide[0], wide[1], _around(start, pad), 0.5, 1, 15, 4, 7, 1.5, flags)
+    return np.asarray(flow[:, pad : pad + columns], np.float64)
+
+
+def _around(picture: P, pad: int) -> P:
+    return cast(P, np.concatenate([picture[:, -pad:], picture, picture[:, :pad]], axis=1))
+
+
+def _bands(picture: Image) -> Float32Array:
+    middle = picture[len(picture) // 4 : max(3 * len(picture) // 4, 1)].astype(np.float32)
+    return normalised(np.asarray(cv2.resize(middle, (picture.shape[1], 5), interpolation=cv2.INTER_AREA), np.float32))

@@ -1,0 +1,88 @@
+"""The mapping wing on a simulated room: snapshots, closures with reasons, corrections; and the accumulated baseline."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from sim2d import worlds
+from sim2d.config import SimConfig
+from sim2d.robot import SimRobot
+from topomap.app.config import load_config
+from topomap.app.wiring import build_navigator
+from topomap.mapping.mapper import Mapper
+from topomap.types import StepRecord, Verdict
+
+
+def drive(steps: int, *settings: str, seed: int = 3) -> tuple[Mapper, list[StepRecord], np.ndarray]:
+    """The first steps of room-corridor (one round is about 185): mapper, records and true poses."""
+    config = load_config(None, settings)
+    robot = SimRobot(worlds.load("room-corridor"), config.sim, seed)
+    navigator = build_navigator(config.stack)
+    records, truth = [], []
+    for _ in range(steps):
+        reading = robot.sense()
+        assert reading is not None
+        command, record = navigator.step(reading)
+        robot.act(command)
+        records.append(record)
+        truth.append((robot.truth().x, robot.truth().y, robot.truth().heading))
+    return navigator.mapper, records, np.array(truth)
+
+
+@pytest.fixture(scope="module")
+def second_round() -> tuple[Mapper, list[StepRecord], np.ndarray]:
+    return drive(260)
+
+
+def test_nodes_come_by_change_and_never_far_apart(second_round: tuple[Mapper, list[StepRecord], np.ndarray]) -> None:
+    mapper, records, _ = second_round
+    snapshots = [n for n in mapper.map.nodes if n.snapshot is not None]
+    ways = np.diff([n.travel for n in snapshots])
+    assert 0.24 < ways.min()
+    assert ways.max() < 1.15
+    reasons = {added.reason for r in records for added in r.change.added}
+    assert {"start", "view changed"} <= reasons
+
+
+def test_the_first_round_closes_nothing_and_the_second_closes_true(
+    second_round: tuple[Mapper, list[StepRecord], np.ndarray],
+) -> None:
+    _, records, truth = second_round
+    stamps = [r.stamp_ns for r in records]
+    accepted = [d for r in records for d in r.change.decisions if d.verdict is Verdict.ACCEPTED]
+    assert len(accepted) >= 5
+    for decision in accepted:
+        query, match = stamps.index(decision.candidate.query_ns), stamps.index(decision.candidate.match_ns)
+        assert query > 170
+        assert np.hypot(*(truth[query] - truth[match])[:2]) < 1.0
+        assert decision.reason
+        assert {"difference", "cost", "ratio", "sigmas"} <= set(decision.candidate.scores)
+
+
+def test_the_calibration_is_found(second_round: tuple[Mapper, list[StepRecord], np.ndarray]) -> None:
+    mapper, _, _ = second_round
+    state = mapper.correction.state
+    assert state.rotation_scale.observed
+    assert state.distance_scale.observed
+    assert abs(state.distance_scale.value - 0.95) < 0.03
+    assert abs(state.rotation_scale.value - 1.04) < 0.03
+
+
+def test_the_accumulated_rule_is_a_baseline_that_can_be_chosen() -> None:
+    usual, _, _ = drive(40)
+    baseline, _, _ = drive(40, "stack.mapper.snapshots.rule=accumulated")
+    assert len(baseline.map.nodes) > len(usual.map.nodes)
+
+
+def test_without_ranges_the_distance_scale_is_unobserved() -> None:
+    mapper, records, _ = drive(60, "sim.laser.max_range=0.01")
+    assert not mapper.correction.state.distance_scale.observed
+    assert mapper.correction.state.distance_scale.value == pytest.approx(1.0)
+    assert np.isfinite([r.where.pose.array() for r in records]).all()
+
+
+def test_the_same_readings_give_the_same_map_to_the_bit() -> None:
+    first, second = drive(50)[0], drive(50)[0]
+    assert first.graph_hash() == second.graph_hash()
+    assert first.graph_hash() != drive(50, seed=4)[0].graph_hash()

@@ -1,0 +1,124 @@
+"""The automatic choice: which method answers depends on what is there, and every answer says how sure it is."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar, Literal
+
+from topomap.geometry import TAU, wrap
+from topomap.types import Alignment, HomeVector
+from topomap.vision.aligned import aligned_difference
+from topomap.vision.homing.area_centroid import AreaCentroid
+from topomap.vision.homing.dtw import DynamicWarping
+from topomap.vision.homing.epipolar import Epipolar, home_of
+from topomap.vision.homing.needs import Needs
+from topomap.vision.homing.view_vector import same_views
+from topomap.vision.panorama import Panorama
+from topomap.vision.scale_planes import WARPING, WarpingSpec, warping_view
+from topomap.vision.warping import best, warp
+
+Choice = Literal["epipolar", "range", "dtw", "warping", "none"]
+CALIBRATION: dict[Choice, tuple[float, float]] = {
+    "epipolar": (0.86, 2.34),
+    "range": (1.09, 10.01),
+    "dtw": (-1.77, 13.14),
+    "warping": (0.74, 10.58),
+}
+"""Offset and slope of the logistic P(error < 45 deg) of each method's own evidence (tests/vision/calibration.py)."""
+CENTROID, DTW, EPIPOLAR = AreaCentroid(), DynamicWarping(), Epipolar()
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """What answered: choice, its evidence (the larger the surer), the alignment with the home vector."""
+
+    choice: Choice
+    evidence: float
+    alignment: Alignment
+
+
+@dataclass(frozen=True, slots=True)
+class Auto:
+    """Matched points where enough of them agree; else, after A6, the area centroid where there are ranges, DTW near
+    the goal (aligned image difference below `near`), min-warping far from it; own compass.
+
+    The distance is the area centroid's where there are ranges. The confidence is P(error < 45 deg), calibrated on
+    generated rooms; 0 at the goal itself and where there is nothing to see. points: how many agreeing points are
+    enough; window [rad]: how far the views may be turned against each other, or from a prior.
+    """
+
+    needs: ClassVar[Needs] = Needs()
+    claims_homing: ClassVar[bool] = True
+    near: float = 0.6
+    points: float = 6.0
+    window: float = math.pi
+    spec: WarpingSpec = WARPING
+
+    def describe(self, panorama: Panorama) -> Panorama:
+        """Return the panorama, which keeps what was derived from it."""
+        return panorama
+
+    def home(self, current: Panorama, goal: Panorama) -> HomeVector:
+        """Return the bearing [rad] of the goal in the current robot's frame. Raises ShapeError."""
+        return self.align(current, goal, 0.0 if self.window < math.pi else None).home or HomeVector(0.0, None, 0.0)
+
+    def align(self, current: Panorama, goal: Panorama, prior: float | None = None) -> Alignment:
+        """Return the rotation [rad] with the home vector: the method is an `Aligner` as well. Raises ShapeError."""
+        return self.answer(current, goal, prior).alignment
+
+    def answer(self, current: Panorama, goal: Panorama, prior: float | None = None) -> Answer:
+        """Return the answer with what gave it. Raises ShapeError."""
+        same_views(current, goal)
+        found = EPIPOLAR.movement(
+            EPIPOLAR.describe(current), EPIPOLAR.describe(goal), prior, min(self.window, math.radians(30.0))
+        )
+        agreed = found.points * found.contrast
+        if agreed >= self.points:
+            home = home_of(found)
+            return self._sure(
+                "epipolar", math.log(agreed), Alignment(found.rotation, 1.0 - found.support, home), current, goal
+            )
+        turned = best(
+            warp(warping_view(current, self.spec), warping_view(goal, self.spec), prior, min(self.window, 0.5236))
+        )
+        if turned.home is None or turned.home.confidence <= 0.0:
+            nothing = Alignment(turned.rotation, turned.residual, HomeVector(0.0, None, 0.0))
+            return Answer("none", 0.0, nothing)
+        return self._warped(turned, turned.home, current, goal)
+
+    def _warped(self, turned: Alignment, home: HomeVector, current: Panorama, goal: Panorama) -> Answer:
+        columns = current.columns(turned.rotation)
+        back = columns * TAU / current.rig.width
+        if current.ranges is not None and goal.ranges is not None:
+            metric = CENTROID.home(CENTROID.describe(current.rolled(columns)), CENTROID.describe(goal))
+            if metric.confidence > 0.0:
+                found = HomeVector(wrap(metric.bearing - back), metric.distance, metric.confidence)
+                evidence = 1.0 - turned.residual
+                return self._sure("range", evidence, Alignment(turned.rotation, turned.residual, found), current, goal)
+        if aligned_difference(current, goal, turned.rotation) < self.near:
+            match = DTW.match(DTW.describe(current.rolled(columns)), DTW.describe(goal))
+            found = HomeVector(wrap(match.home.bearing - back), None, match.home.confidence)
+            return self._sure(
+                "dtw", 1.0 - match.cost, Alignment(turned.rotation, turned.residual, found), current, goal
+            )
+        return self._sure("warping", home.confidence, turned, current, goal)
+
+    def _sure(self, choice: Choice, evidence: float, found: Alignment, current: Panorama, goal: Panorama) -> Answer:
+        home = found.home or HomeVector(0.0, None, 0.0)
+        offset, slope = CALIBRATION[choice]
+        sure = (
+            1.0 / (1.0 + math.exp(-min(max(offset + slope * evidence, -30.0), 30.0))) if home.confidence > 0.0 else 0.0
+        )
+        distance = home.distance if home.distance is not None else _distance(current, goal, found.rotation)
+        return Answer(
+            choice, evidence, Alignment(found.rotation, found.residual, HomeVector(home.bearing, distance, sure))
+        )
+
+
+def _distance(current: Panorama, goal: Panorama, rotation: float) -> float | None:
+    """Return how far the area centroid lies off [m], where both views have ranges."""
+    if current.ranges is None or goal.ranges is None:
+        return None
+    metric = CENTROID.home(CENTROID.describe(current.rotated(rotation)), CENTROID.describe(goal))
+    return metric.distance if metric.confidence > 0.0 else None
