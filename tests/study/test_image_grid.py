@@ -127,6 +127,24 @@ def test_a_changed_file_changes_the_identity(tmp_path: Path) -> None:
     assert grid_recipe(tmp_path).identity != before
 
 
+def test_raw_pictures_of_a_mirror_are_unwrapped(tmp_path: Path) -> None:
+    for name in ("0_0.png", "1_0.png"):
+        raw = np.zeros((200, 200, 3), np.uint8)
+        cv2.line(raw, (100, 100), (100, 0), (0, 0, 255), 5)  # red straight up in the picture
+        cv2.imwrite(str(tmp_path / name), raw)
+    (tmp_path / "grid.toml").write_text('pattern = "{x}_{y}.png"\nunwrap = "mirror.toml"\n')
+    mirror = "x = 100.0\ny = 100.0\ninner = 20.0\nouter = 90.0\nforward_deg = 0.0\nwidth = 360\nheight = 40\n"
+    (tmp_path / "mirror.toml").write_text(mirror)
+    view = load_grid(tmp_path).view(0.0, 0.0, 0.0)
+    assert view.image.shape == (40, 360, 3)
+    assert view.rig.bearing(float(np.flatnonzero(view.image[20, :, 0] > 128).mean())) == pytest.approx(
+        math.pi / 2, abs=0.03
+    )
+    (tmp_path / "mirror.toml").write_text("x = 1.0\n")
+    with pytest.raises(DataError, match=r"mirror\.toml: y: Field required"):
+        load_grid(tmp_path)
+
+
 @pytest.mark.data
 def test_antworld_is_understood_without_a_spec(data_dir: Path) -> None:
     arena = grid_recipe(data_dir / "antworld-grid").arena()

@@ -6,7 +6,8 @@ the Bielefeld/Vardy databases, whose raw omnidirectional images are named by col
     pattern = "{x}_{y}.png"      # grid column and row
     unit_m = 0.3                 # metres per column
     horizon_row = 49.5
-    unwrap = "mirror.toml"       # the mirror's rig; leave out for images that are panoramas already
+    unwrap = "mirror.toml"       # the mirror's rig, as `topomap rig fit IMAGE --out mirror.toml` writes it; leave it
+                                 # out for images that are panoramas already
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ import hashlib
 import math
 import re
 import tomllib
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -26,6 +27,7 @@ from pydantic import BaseModel, Field, ValidationError
 
 from topomap.errors import DataError
 from topomap.geometry import TAU, FloatArray, wrap
+from topomap.study.datasets.mirror_file import Unwrapper, read_mirror
 from topomap.study.homing_arena import Arena, Recipe, central
 from topomap.types import Image
 from topomap.vision.decode import decode
@@ -33,8 +35,6 @@ from topomap.vision.panorama import Panorama
 
 SPEC_NAME = "grid.toml"
 NUMBER = r"[-+]?\d+(?:\.\d+)?"
-Unwrapper = Callable[[Image], Image]
-"""From a raw image (H, W, 3) of a mirror to a panorama (h, w, 3)."""
 
 
 class GridSpec(BaseModel, frozen=True, extra="forbid"):
@@ -114,7 +114,7 @@ class ImageGrid:
         except (OSError, DataError) as error:
             raise DataError(f"{shot.path}: can't be read as an image: {error}") from error
         if self._unwrap is not None:
-            image = self._unwrap(image)
+            return self._unwrap.panorama(image)
         return Panorama.from_recorded(image, _rig(image, self._spec))
 
 
@@ -125,7 +125,10 @@ def load_grid(folder: Path, spec_file: Path | None = None) -> ImageGrid:
     spec = _spec(folder, spec_file)
     shots = list(_from_csv(folder, spec) if spec.csv else _from_names(folder, spec))
     _check(folder, shots)
-    unwrap = _unwrapper((spec_file or folder / SPEC_NAME).parent / spec.unwrap) if spec.unwrap else None
+    unwrap = None
+    if spec.unwrap:
+        mirror = read_mirror((spec_file or folder / SPEC_NAME).parent / spec.unwrap)
+        unwrap = Unwrapper(mirror, spec.horizon_row, spec.camera_height)
     return ImageGrid(folder.resolve().name, shots, spec, unwrap)
 
 
@@ -242,7 +245,3 @@ def _rig(image: Image, spec: GridSpec) -> RecordedRig:
     horizon = (height - 1) / 2 if spec.horizon_row is None else spec.horizon_row
     forward = width // 2 if spec.forward_column is None else spec.forward_column
     return RecordedRig(width, height, horizon, width / TAU, spec.camera_height, forward, spec.clockwise)
-
-
-def _unwrapper(rig_file: Path) -> Unwrapper:
-    raise DataError(f"{rig_file}: raw omnidirectional images can't be unwrapped yet; unwrap them first")
