@@ -155,15 +155,15 @@ def _check_windows(table: WorldTable) -> None:
 
 def _check_changes(table: WorldTable) -> None:
     kinds = {name: kind for kind, _, name in _rows(table) if name}
-    for k, change in enumerate(table.change):
+    for change in table.change:
         kind = kinds.get(change.name)
         if kind is None or kind == "person":
             names = ", ".join(name for name, kind in kinds.items() if kind != "person")
-            raise Fault(f"change[{k}].name", change.name, f"there is no such thing; there are {names}")
+            raise Fault(f"change[{change.name}].name", change.name, f"there is no such thing; there are {names}")
         if change.opens is not None and kind != "door":
-            raise Fault(f"change[{k}].opens", change.opens, f"only doors open; {change.name} is a {kind}")
+            raise Fault(f"change[{change.name}].opens", change.opens, f"only doors open, no {kind}s")
         if change.moves_to is not None and kind in ("door", "wall"):
-            raise Fault(f"change[{k}].moves_to", change.moves_to, f"only loose things move; {change.name} is a {kind}")
+            raise Fault(f"change[{change.name}].moves_to", change.moves_to, f"only loose things move, no {kind}s")
 
 
 def _check_door(where: str, a: Point, b: Point, clearance: Clearance) -> None:
