@@ -7,7 +7,15 @@ import sys
 import typer
 
 from topomap import __version__
-from topomap.cli import bench_commands, console, map_commands, run_commands, world_commands
+from topomap.cli import (
+    bench_commands,
+    console,
+    map_commands,
+    method_commands,
+    rig_commands,
+    run_commands,
+    world_commands,
+)
 from topomap.errors import TopomapError
 
 app = typer.Typer(
@@ -19,8 +27,10 @@ app = typer.Typer(
 )
 run_commands.add_to(app)
 map_commands.add_to(app)
+method_commands.add_to(app)
 world_commands.add_to(app)
 bench_commands.add_to(app)
+rig_commands.add_to(app)
 
 
 def _version(wanted: bool) -> None:
