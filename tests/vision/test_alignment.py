@@ -58,7 +58,8 @@ def test_given_heading_is_the_prior() -> None:
 
 @pytest.mark.parametrize("name", ALIGNERS)
 def test_empty_pictures_give_no_home(name: str) -> None:
-    blank = [Panorama(np.full((100, 720, 3), value, np.uint8)) for value in (0, 128)]
+    ranges = view(HOME).ranges
+    blank = [Panorama(np.full((100, 720, 3), value, np.uint8), ranges) for value in (0, 128)]
     for current, goal in [(blank[0], blank[1]), (blank[1], view(HOME)), (view(HOME), blank[0])]:
         found = ALIGNERS[name].align(current, goal)
         assert math.isfinite(found.rotation)
@@ -70,7 +71,9 @@ def test_purity() -> None:
     a, b = view(Pose2(3.2, 2.6, 1.0)), view(HOME)
     image = a.image.copy()
     for aligner in ALIGNERS.values():
-        assert aligner.align(a, b) == aligner.align(Panorama(image.copy()), Panorama(b.image.copy()))
+        assert aligner.align(a, b) == aligner.align(
+            Panorama(image.copy(), a.ranges), Panorama(b.image.copy(), b.ranges)
+        )
     assert (a.image == image).all()
 
 

@@ -154,7 +154,11 @@ def empty(kind: str) -> Panorama:
 @pytest.mark.parametrize("kind", ["black", "constant", "noise"])
 @pytest.mark.parametrize("name", EVERYTHING)
 def test_pictures_that_hold_nothing(name: str, kind: str) -> None:
-    for current, goal in ((empty(kind), seen(name, HOME)), (seen(name, POSES[0]), empty(kind)), (empty(kind), empty(kind))):
+    for current, goal in (
+        (empty(kind), seen(name, HOME)),
+        (seen(name, POSES[0]), empty(kind)),
+        (empty(kind), empty(kind)),
+    ):
         assert sane(answer(name, current, goal))
     nothing = answer(name, empty(kind), empty(kind))
     if name in PAIRWISE:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar, Literal
 
 from topomap.geometry import TAU, wrap
@@ -90,19 +90,19 @@ class Auto:
     def _warped(self, turned: Alignment, home: HomeVector, current: Panorama, goal: Panorama) -> Answer:
         columns = current.columns(turned.rotation)
         back = columns * TAU / current.rig.width
+        rolled = current.rolled(columns)
+        match = DTW.match(DTW.describe(rolled), DTW.describe(goal))
+        matched = HomeVector(wrap(match.home.bearing - back), None, match.home.confidence)
+        # two methods that go wrong in different ways: where they agree, both are likely right
+        agreement = 0.5 + 0.5 * math.cos(matched.bearing - home.bearing)
         if current.ranges is not None and goal.ranges is not None:
-            metric = CENTROID.home(CENTROID.describe(current.rolled(columns)), CENTROID.describe(goal))
+            metric = CENTROID.home(CENTROID.describe(rolled), CENTROID.describe(goal))
             if metric.confidence > 0.0:
                 found = HomeVector(wrap(metric.bearing - back), metric.distance, metric.confidence)
-                evidence = 1.0 - turned.residual
-                return self._sure("range", evidence, Alignment(turned.rotation, turned.residual, found), current, goal)
+                return self._sure("range", 1.0 - turned.residual, replace(turned, home=found), current, goal)
         if aligned_difference(current, goal, turned.rotation) < self.near:
-            match = DTW.match(DTW.describe(current.rolled(columns)), DTW.describe(goal))
-            found = HomeVector(wrap(match.home.bearing - back), None, match.home.confidence)
-            return self._sure(
-                "dtw", 1.0 - match.cost, Alignment(turned.rotation, turned.residual, found), current, goal
-            )
-        return self._sure("warping", home.confidence, turned, current, goal)
+            return self._sure("dtw", (1.0 - match.cost) * agreement, replace(turned, home=matched), current, goal)
+        return self._sure("warping", home.confidence * agreement, turned, current, goal)
 
     def _sure(self, choice: Choice, evidence: float, found: Alignment, current: Panorama, goal: Panorama) -> Answer:
         home = found.home or HomeVector(0.0, None, 0.0)
