@@ -99,5 +99,14 @@ def test_studies_that_are_listed_can_be_made(tmp_path: Path) -> None:
         run_study("nope", "0", Store(None), 1, lambda _: None, tmp_path)
 
 
+def test_options_of_the_views_are_understood_or_refused() -> None:
+    arena = world_arena("cylinders", 0, ("gain=0.6", "goal:gain=1", "noise=off"))
+    lit, goal = arena.source.view(*arena.home, 0.0), arena.goal_source.view(*arena.home, 0.0)
+    assert np.abs(lit.image.astype(float) - goal.image).mean() > 1.0
+    for wrong in ("hour=25", "houre=3", "hour"):
+        with pytest.raises(DataError, match="view option"):
+            world_recipe("cylinders", 0, (wrong,))
+
+
 def test_the_identity_of_a_world_knows_its_code() -> None:
     assert len(world_recipe("ourlab", 0).identity) == 128

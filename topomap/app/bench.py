@@ -47,6 +47,7 @@ def request(
     seeds: str,
     home: str | None,
     settings: BenchSettings,
+    options: Sequence[str] = (),
 ) -> BenchRequest:
     """Return the request of a command line's words. Raises DataError with what would be right."""
     compass(settings.compass)
@@ -54,7 +55,8 @@ def request(
     names = [word.strip() for word in environments.split(",") if word.strip()]
     if not names and not grids:
         raise DataError("name an environment (--env) or the folder of an image grid (--grid)")
-    recipes = [world_recipe(name, seed) for name in dict.fromkeys(names) for seed in parse_seeds(seeds)]
+    views = tuple(options)
+    recipes = [world_recipe(name, seed, views) for name in dict.fromkeys(names) for seed in parse_seeds(seeds)]
     recipes += [grid_recipe(folder, seed) for folder in grids for seed in _grid_seeds(settings, seeds)]
     return BenchRequest(tuple(recipes), tuple(chosen), parse_point(home), settings)
 

@@ -8,6 +8,7 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
+from pydantic import ValidationError
 
 import sim2d
 from sim2d import worlds
@@ -80,7 +81,12 @@ class WorldViews:
 
 
 def world_recipe(name: str, seed: int, options: tuple[str, ...] = ()) -> Recipe:
-    """Return the recipe of a named world's arena; options: `noise=off`. Raises DataError for an unknown world."""
+    """Return the recipe of a named world's arena. Raises DataError for an unknown world or option.
+
+    options: `noise=off`, and settings of the camera as in `hour=14` or `roll_deg=2`; with `goal:` before it a setting
+    holds for the view at the goal only, else for all the others.
+    """
+    _options(options)
     if name not in worlds.names():
         raise DataError(f"unknown environment {name!r}; there are {', '.join(worlds.names())}")
     return Recipe(name, seed, world_arena, options, _code())
@@ -92,11 +98,22 @@ def world_arena(name: str, seed: int, options: tuple[str, ...]) -> Arena:
         world = worlds.load(name, seed)
     except WorldError as error:
         raise DataError(str(error)) from error
-    views = WorldViews(world, seed, noise="noise=off" not in options)
+    camera, goal_camera = _options(options)
+    views = WorldViews(world, seed, "noise=off" not in options, camera)
+    goals = None
+    if camera != goal_camera:  # a world of its own: one world has one hour of the day
+        goals = WorldViews(worlds.load(name, seed), seed, "noise=off" not in options, goal_camera)
     positions, spacing = free_grid(views)
     plan = world.plan()
     return Arena(
-        name, views, positions, spacing, True, central(positions), Plan(plan.polylines, plan.circles, plan.labels)
+        name,
+        views,
+        positions,
+        spacing,
+        True,
+        central(positions),
+        Plan(plan.polylines, plan.circles, plan.labels),
+        goals,
     )
 
 
@@ -144,6 +161,22 @@ def _flood(views: WorldViews, anchor: Point, spacing: float) -> FloatArray:
 
 def _point(anchor: Point, cell: tuple[int, int], spacing: float) -> Point:
     return round(anchor[0] + cell[0] * spacing, 6), round(anchor[1] + cell[1] * spacing, 6)
+
+
+def _options(options: tuple[str, ...]) -> tuple[CameraConfig, CameraConfig]:
+    """Return the cameras of the current views and of the goal's."""
+    settings: tuple[dict[str, str], dict[str, str]] = ({}, {})
+    for option in options:
+        key, equals, value = option.partition("=")
+        if not equals:
+            raise DataError(f"view option {option!r}: expected noise=off or a camera setting, as in hour=14")
+        if option != "noise=off":
+            settings[key.startswith("goal:")][key.removeprefix("goal:")] = value
+    try:
+        return CameraConfig.model_validate(settings[0]), CameraConfig.model_validate(settings[1])
+    except ValidationError as error:
+        first = error.errors()[0]
+        raise DataError(f"view option {'.'.join(map(str, first['loc']))}: {first['msg']}") from error
 
 
 @cache

@@ -35,6 +35,9 @@ def homing(
     home: str | None = typer.Option(None, metavar="X,Y", help="Home [m] [the grid's middle]."),
     compass: str = typer.Option("given", help="'given', or the aligner or row that finds the rotation, e.g. A1 or A6."),
     seeds: str = typer.Option("0", help="Seeds of textures, noise and headings, e.g. 0-4."),
+    view: list[str] = typer.Option(
+        [], metavar="KEY=VALUE", help="Camera setting, e.g. hour=14, roll_deg=2, goal:hour=6, noise=off; may repeat."
+    ),
     starts: int = typer.Option(8, min=0, help="Places, a seed, from which homing is iterated in the world."),
     within: float | None = typer.Option(None, min=0.01, help="Count only places this near to home [m]."),
     jobs: int | None = typer.Option(None, min=1, help="Processes [all cores]."),
@@ -47,7 +50,7 @@ def homing(
     from topomap.study.homing_pool import Store, default_folder
 
     settings = BenchSettings(compass=compass, starts=starts, within=within)
-    asked = bench.request(env, grid, methods, seeds, home, settings)
+    asked = bench.request(env, grid, methods, seeds, home, settings, view)
     store = Store(None if fresh else default_folder())
     with progress("homing", asked.steps) as advance:
         tables = bench.run_bench(asked, store, jobs or bench.cores(), advance)

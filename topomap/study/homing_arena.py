@@ -21,7 +21,7 @@ class Arena:
     """Views over a grid of free positions.
 
     positions (N, 2) [m]; spacing of the grid [m]; continuous: there are views between the positions as well; home:
-    where to home to unless told otherwise [m].
+    where to home to unless told otherwise [m]; goals: where the goal is seen from, when it was in another light.
     """
 
     name: str
@@ -31,6 +31,7 @@ class Arena:
     continuous: bool
     home: Point
     plan: Plan = field(default_factory=Plan)
+    goals: ViewSource | None = None
 
     def index(self, point: Point) -> int:
         """Return the grid position nearest to a point [m]. Raises DataError where none is within 0.75 spacings."""
@@ -43,6 +44,11 @@ class Arena:
                 f" its grid reaches from {low[0]:.2f},{low[1]:.2f} to {high[0]:.2f},{high[1]:.2f} m"
             )
         return nearest
+
+    @property
+    def goal_source(self) -> ViewSource:
+        """Where goals and their references are seen from."""
+        return self.goals or self.source
 
     def at(self, index: int) -> Point:
         """Return the grid position of an index [m]."""

@@ -91,7 +91,7 @@ class TurnsTask:
         count = len(arena.positions)
         if self.aligner is None:
             return Turns(np.zeros(count), np.zeros(count), np.zeros(count))
-        goal = view_at(arena.source, arena.at(arena.index(self.home)))
+        goal = view_at(arena.goal_source, arena.at(arena.index(self.home)))
         headings = random_headings(self.recipe.seed, count, goal.rig.width)
         rotations, ms = np.empty(count), np.empty(count)
         for i, seen in enumerate(_views(self.recipe, headings)):
@@ -125,7 +125,7 @@ class FieldTask:
     def perform(self) -> HomeField:
         """Return the method's answers; a method that lacks what it needs is unfit, not an error."""
         arena = self.recipe.arena()
-        goal = view_at(arena.source, arena.at(arena.index(self.home)))
+        goal = view_at(arena.goal_source, arena.at(arena.index(self.home)))
         count = len(arena.positions)
         try:
             bound = self.contestant.bind(goal, self._around(arena))
@@ -162,9 +162,9 @@ class FieldTask:
 
         def look(dx: float, dy: float) -> Panorama:
             if arena.continuous:
-                return view_at(arena.source, (x + dx, y + dy))
+                return view_at(arena.goal_source, (x + dx, y + dy))
             whole = max(round(math.hypot(dx, dy) / arena.spacing), 1) * arena.spacing  # the next position there is
-            return view_at(arena.source, (x + whole * (dx != 0), y + whole * (dy != 0)))
+            return view_at(arena.goal_source, (x + whole * (dx != 0), y + whole * (dy != 0)))
 
         return look
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from topomap.study.studies import images, moments, positions, ring
+from topomap.study.studies import conditions, images, moments, positions, ring
 from topomap.study.studies.study import Finding, Lab, Study
 
 LAB, ORIGINAL = ("ourlab",), ("a1original",)
@@ -29,6 +29,9 @@ STUDIES: dict[str, Study] = {
         Study("pixels", "5.30-5.32", "how many pixels, RGB or grey?", ORIGINAL, images.pixel_number),
         Study("dtw-inhibition", "5.40", "which of several matches should count?", ORIGINAL, images.inhibition),
         Study("dtw-search-area", "5.41", "how wide should DTW search?", ORIGINAL, images.search_area),
+        Study("daylight", "5.44, 5.45", "does the hour of the day matter?", ORIGINAL, conditions.daylight),
+        Study("tilt", "(tilt)", "how much tilt does each method bear?", ORIGINAL, conditions.tilt),
+        Study("gain", "(exposure)", "how much gain does each method bear?", ORIGINAL, conditions.gain),
         Study("delv", "5.33", "which DELV, how fine its distances?", ORIGINAL, images.delv),
     )
 }

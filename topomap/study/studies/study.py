@@ -24,25 +24,31 @@ SHAPES = ("o", "s", "^", "D", "v", "P", "X", "*")
 class Lab:
     """Where studies are made: recipes of environments by name, seeds, and the workers that measure."""
 
-    recipe: Callable[[str, int], Recipe]
+    recipe: Callable[[str, int, tuple[str, ...]], Recipe]
     seeds: tuple[int, ...]
     workers: Workers
     advance: Callable[[], None]
 
-    def recipes(self, environment: str) -> list[Recipe]:
-        """Return an environment's recipe for every seed. Raises DataError for an unknown one."""
-        return [self.recipe(environment, seed) for seed in self.seeds]
+    def recipes(self, environment: str, options: tuple[str, ...] = ()) -> list[Recipe]:
+        """Return an environment's recipe for every seed; options: of the views. Raises DataError for unknown ones."""
+        return [self.recipe(environment, seed, options) for seed in self.seeds]
 
     def table(
-        self, environment: str, contestants: Sequence[Contestant], home: Point | None = None, compass: str = "given"
+        self,
+        environment: str,
+        contestants: Sequence[Contestant],
+        home: Point | None = None,
+        options: tuple[str, ...] = (),
     ) -> Table:
         """Return the homing table of contestants in an environment, over the grid only. Raises DataError."""
-        settings = BenchSettings(compass=compass, starts=0)
-        return bench(self.recipes(environment), home, contestants, settings, self.workers, self.advance)[0]
+        settings = BenchSettings(starts=0)
+        return bench(self.recipes(environment, options), home, contestants, settings, self.workers, self.advance)[0]
 
-    def rows(self, environment: str, contestants: Sequence[Contestant], compass: str = "given") -> dict[str, Row]:
+    def rows(
+        self, environment: str, contestants: Sequence[Contestant], options: tuple[str, ...] = ()
+    ) -> dict[str, Row]:
         """Return the table's rows by the contestants' names. Raises DataError."""
-        return {row.method: row for row in self.table(environment, contestants, compass=compass).rows}
+        return {row.method: row for row in self.table(environment, contestants, options=options).rows}
 
 
 @dataclass(frozen=True, slots=True)
