@@ -9,7 +9,9 @@ import typer
 from topomap import __version__
 from topomap.cli import (
     bench_commands,
+    closure_commands,
     console,
+    graph_commands,
     map_commands,
     method_commands,
     rig_commands,
@@ -27,6 +29,8 @@ app = typer.Typer(
 )
 run_commands.add_to(app)
 map_commands.add_to(app)
+closure_commands.add_to(app)
+graph_commands.add_to(app)
 method_commands.add_to(app)
 world_commands.add_to(app)
 bench_commands.add_to(app)

@@ -14,8 +14,9 @@ from topomap.study.figures_differences import image_difference, place_difference
 from topomap.study.figures_errors import position_error
 from topomap.study.figures_home import way_home
 from topomap.study.figures_panoramas import panoramas
+from topomap.study.figures_precision import precision_recall
 from topomap.study.figures_routes import routes
-from topomap.study.metrics_closures import accepted
+from topomap.study.metrics_closures import accepted, closures
 from topomap.study.metrics_home import reference_route
 from topomap.study.run_data import RunData
 
@@ -58,6 +59,10 @@ def _no_panoramas(run: RunData) -> str | None:
 
 def _no_closures(run: RunData) -> str | None:
     return _no_truth(run) or (None if accepted(run) else "no closure was accepted")
+
+
+def _no_candidates(run: RunData) -> str | None:
+    return _no_truth(run) or (None if closures(run) else "no closure was ever proposed")
 
 
 def _no_journey(run: RunData) -> str | None:
@@ -109,6 +114,13 @@ FIGURES: tuple[FigureKind, ...] = (
         " the more wrong the claim. Beside it every candidate by the times of its query and its match.",
         closure_map,
         _no_closures,
+    ),
+    FigureKind(
+        "Precision and recall of the candidates",
+        "How well each score alone would tell true candidates from false ones as its threshold opens; the star is"
+        " what the map accepted with all of its tests together.",
+        precision_recall,
+        _no_candidates,
     ),
     FigureKind(
         "The way home",

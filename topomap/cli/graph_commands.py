@@ -1,0 +1,60 @@
+"""bench graphs: the injection test."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import typer
+
+from topomap.cli.bench_commands import benches
+from topomap.cli.console import console
+
+HEADINGS = ("graph", "false", "method", "precision, least", "false kept, most", "recall", "recall, least",
+            "ATE [m]", "odometry [m]", "time [s]")  # fmt: skip
+
+
+def add_to(app: typer.Typer) -> None:
+    """Add the command to `topomap bench`, which bench_commands adds to the program."""
+    benches.command()(graphs)
+
+
+def graphs(
+    sets: str = typer.Option(
+        "intel,CSAIL,manhattanOlson3500,w10000", "--set", help="Pose graphs, comma-separated: names or files."
+    ),
+    seeds: str = typer.Option("0-4", help="Seeds of what is injected, e.g. 0-4 or 0,2."),
+    peers: str = typer.Option("all", help="Peers of gtsam, comma-separated; 'all' or 'none'."),
+    out: Path = typer.Option(Path("runs") / "bench" / "graphs", help="Folder for table and figure."),
+) -> None:
+    """Inject false closures into pose graphs: precision, recall, error and time beside gtsam's optimisers."""
+    from rich.table import Table
+
+    from topomap.app import graph_bench
+    from topomap.mapping.backend.peers import PEERS
+
+    chosen = list(PEERS) if peers == "all" else [] if peers == "none" else peers.split(",")
+    if unknown := [name for name in chosen if name not in PEERS]:
+        raise typer.BadParameter(f"no peer '{unknown[0]}': there are {', '.join(PEERS)}", param_hint="--peers")
+    found = graph_bench.read_sets(sets.split(","))
+    with console.status("measuring") as status:
+        rows = graph_bench.run_bench(
+            found, _seeds(seeds), chosen, lambda row: status.update(f"{row.graph} {row.false_share:.0%} {row.method}")
+        )
+    shown = Table(*HEADINGS, title="injected false closures", title_justify="left")
+    for line in graph_bench.table(rows):
+        shown.add_row(*line)
+    console.print(shown)
+    for path in graph_bench.write_bench(rows, out):
+        console.print(str(path), soft_wrap=True)
+
+
+def _seeds(text: str) -> list[int]:
+    """Return the seeds of '0-4' or '0,2'."""
+    try:
+        first, _, last = text.partition("-")
+        seeds = list(range(int(first), int(last) + 1)) if last else [int(part) for part in text.split(",")]
+    except ValueError:
+        seeds = []
+    if not seeds or min(seeds) < 0:
+        raise typer.BadParameter(f"'{text}' names no seeds; write 0-4 or 0,2", param_hint="--seeds")
+    return seeds

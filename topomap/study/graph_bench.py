@@ -1,0 +1,152 @@
+"""The injection test: pose graphs with false closures, mapped by this back end and by gtsam's optimisers."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
+
+import numpy as np
+
+from topomap.errors import TopomapError
+from topomap.geometry import FloatArray
+from topomap.mapping.backend import Closures
+from topomap.mapping.backend.peers import PEERS, optimum
+from topomap.study.datasets.g2o import BoolArray, PoseGraph
+from topomap.study.graph_injection import Injected, inject
+from topomap.study.graph_map import map_graph, odometry_poses
+from topomap.study.metrics import ate
+
+OURS = "topomap"
+ODOMETRY = "odometry"
+SHARES = (0.0, 0.2, 0.5, 0.8, 0.9)
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One method on one graph: closures offered and kept, ate [m] to the clean optimum after SE(2) alignment, time.
+
+    precision is None where nothing was kept; ate is None where the method failed.
+    """
+
+    graph: str
+    nodes: int
+    method: str
+    false_share: float
+    seed: int
+    true: int
+    false: int
+    kept_true: int
+    kept_false: int
+    precision: float | None
+    recall: float
+    ate_m: float | None
+    odometry_ate_m: float
+    seconds: float
+
+
+def bench(
+    graph: PoseGraph, seeds: Sequence[int], shares: Sequence[float] = SHARES, peers: Sequence[str] = tuple(PEERS)
+) -> Iterator[Row]:
+    """Yield a row a method, share and seed; the clean optimum comes from all true closures (LAGO, then LM)."""
+    clean = optimum(graph.odometry, graph.odometry_covariance, _closures(graph))
+    drift = ate(odometry_poses(graph), clean)
+    _warm_up()
+    for share in shares:
+        for seed in seeds:
+            injected = inject(graph, clean, share, np.random.default_rng([seed, round(100 * share)]))
+            for method in (OURS, *peers):
+                yield _row(injected, clean, drift, share, seed, method)
+
+
+def _row(injected: Injected, clean: FloatArray, drift: float, share: float, seed: int, method: str) -> Row:
+    begin = time.perf_counter()
+    poses, believed = _mapped(injected.graph, method)
+    seconds = time.perf_counter() - begin
+    false = injected.false
+    right, wrong = int((believed & ~false).sum()), int((believed & false).sum())
+    return Row(
+        graph=injected.graph.name,
+        nodes=injected.graph.nodes,
+        method=method,
+        false_share=share,
+        seed=seed,
+        true=int((~false).sum()),
+        false=int(false.sum()),
+        kept_true=right,
+        kept_false=wrong,
+        precision=right / (right + wrong) if right + wrong else None,
+        recall=right / max(1, int((~false).sum())),
+        ate_m=ate(poses, clean) if np.isfinite(poses).all() else None,
+        odometry_ate_m=drift,
+        seconds=seconds,
+    )
+
+
+def _mapped(graph: PoseGraph, method: str) -> tuple[FloatArray, BoolArray]:
+    if method == OURS:
+        return map_graph(graph)
+    if method not in PEERS:
+        raise TopomapError(f"no method '{method}': there are {', '.join(PEERS)}")
+    try:
+        return PEERS[method](graph.odometry, graph.odometry_covariance, _closures(graph))
+    except RuntimeError:  # gtsam gives up on an indeterminate system: a result of the peer, not an error of the bench
+        return np.full((graph.nodes, 3), np.nan), np.zeros(len(graph.i), bool)
+
+
+def _closures(graph: PoseGraph) -> Closures:
+    return Closures(graph.i, graph.j, graph.relative, graph.covariance, np.ones(len(graph.i)))
+
+
+def _warm_up() -> None:
+    """Compile the kernels, so that the first row's time is as good as the others'."""
+    relative, spread = np.tile([1.0, 0.0, np.pi / 2], (8, 1)), np.tile(np.eye(3) * 1e-2, (8, 1, 1))
+    ends = np.array([0, 1, 2, 3, 0])
+    claims = np.zeros((5, 3))
+    claims[4] = [5.0, 0.0, 0.0]
+    map_graph(PoseGraph("", relative, spread, ends, np.array([4, 5, 6, 7, 6]), claims, spread[:5]))
+
+
+def averages(rows: Sequence[Row]) -> list[dict[str, object]]:
+    """Return one line a graph, share and method over the seeds: worst precision, mean and least recall, times."""
+    groups: dict[tuple[str, float, str], list[Row]] = {}
+    for row in rows:
+        groups.setdefault((row.graph, row.false_share, row.method), []).append(row)
+    return [_average(key, own) for key, own in groups.items()]
+
+
+def _average(key: tuple[str, float, str], own: list[Row]) -> dict[str, object]:
+    precisions = [row.precision for row in own if row.precision is not None]
+    ates = [row.ate_m for row in own if row.ate_m is not None]
+    return {
+        "graph": key[0],
+        "false_share": key[1],
+        "method": key[2],
+        "runs": len(own),
+        "precision_min": min(precisions) if precisions else None,
+        "kept_false_max": max(row.kept_false for row in own),
+        "recall_mean": float(np.mean([row.recall for row in own])),
+        "recall_min": min(row.recall for row in own),
+        "ate_m_mean": float(np.mean(ates)) if ates else None,
+        "ate_m_max": max(ates) if ates else None,
+        "odometry_ate_m": own[0].odometry_ate_m,
+        "seconds_mean": float(np.mean([row.seconds for row in own])),
+        "seconds_max": max(row.seconds for row in own),
+    }
+
+
+def to_json(rows: Sequence[Row]) -> str:
+    """Return all rows and their averages as JSON."""
+    return json.dumps({"rows": [asdict(row) for row in rows], "averages": averages(rows)}, indent=1) + "\n"
+
+
+def to_csv(rows: Sequence[Row]) -> str:
+    """Return all rows as CSV with a header."""
+    text = io.StringIO()
+    writer = csv.DictWriter(text, list(Row.__dataclass_fields__), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(asdict(row) for row in rows)
+    return text.getvalue()
