@@ -32,7 +32,11 @@ class Path:
 
     def at(self, s: float) -> tuple[float, float]:
         """Return the point x, y [m] after s [m], held at the ends."""
-        return float(np.interp(s, self.along, self.points[:, 0])), float(np.interp(s, self.along, self.points[:, 1]))
+        # by hand: np.interp would copy the whole line's x and y at every call
+        k = min(max(int(np.searchsorted(self.along, s, side="right")) - 1, 0), len(self.along) - 2)
+        share = min(max(s - self.along[k], 0.0), self.along[k + 1] - self.along[k])
+        x, y = (self.points[k + 1] - self.points[k]) / (self.along[k + 1] - self.along[k]) * share + self.points[k]
+        return float(x), float(y)
 
     def heading(self, s: float) -> float:
         """Return the heading [rad] after s [m]."""
