@@ -29,5 +29,5 @@ def kernel(function: F) -> F:
     numba watches a function's own file only, so a caller kept on disk would go on running an edited callee's old code.
     """
     function.__qualname__ = f"{function.__qualname__}_{DIGEST}"
-    compiled: F = njit(cache=True, error_model="numpy", inline="always")(function)
+    compiled: F = njit(cache=True, error_model="numpy", forceinline=True)(function)
     return compiled

@@ -201,5 +201,5 @@ def test_wrong_shapes_are_refused(change: dict[str, tuple[object, ...]], message
 
 
 def test_a_wrong_name_lists_the_right_ones() -> None:
-    with pytest.raises(WorldError, match="hall, .*office-loop, .*room-corridor"):
+    with pytest.raises(WorldError, match=r"hall, .*office-loop, .*room-corridor"):
         worlds.load("rooom")
