@@ -26,13 +26,15 @@ ERRORS: Colormap = LinearSegmentedColormap.from_list("errors", ["#0072B2", "#56B
 """Blue is right, orange is half wrong, dark red leads away: told apart with any colour vision."""
 SCALE = Normalize(0.0, 120.0)
 FLOOR = "#F6F4EF"
+AROUND, CLOSE = 1.0, 0.3
+"""How far around the grid a picture shows the plan [m]: alone, and on a sheet."""
 
 
-def vector_map(axes: Axes, entry: Entry, ground: int = 0) -> None:
+def vector_map(axes: Axes, entry: Entry, ground: int = 0, margin: float = AROUND) -> None:
     """Draw a method's home vectors on one ground: an arrow a position, coloured by its error, over the plan."""
     survey, home = entry.grounds[ground].survey, entry.grounds[ground].home
     directions = entry.fields[ground].directions
-    _background(axes, survey.plan, survey.positions, survey.spacing)
+    _background(axes, survey.plan, survey.positions, survey.spacing, margin)
     true = bearings_home(survey.positions, home)
     asked = np.isfinite(true)
     told = asked & np.isfinite(directions)
@@ -91,13 +93,13 @@ def sheet(table: Table) -> Figure:
     shown = [(e, r) for e, r in zip(table.entries, table.rows, strict=True) if r.mean is not None]
     columns = min(max(math.ceil(math.sqrt(1.4 * len(shown))), 1), 7)
     lines = max(math.ceil(len(shown) / columns), 1)
-    width, height = _shape(table.entries[0])
+    width, height = _shape(table.entries[0], CLOSE)
     figure = style.canvas(columns * 2.5 * width + 0.9, lines * (2.5 * height + 0.42) + 0.5)
     heading = "compass given" if table.compass_error is None else f"compass {table.compass}"
     figure.suptitle(f"Home vectors in {table.environment}, {heading}, best first", fontsize=12, x=0.01, ha="left")
     panels = np.atleast_1d(figure.subplots(lines, columns)).ravel()
     for axes, (entry, row) in zip(panels, shown, strict=False):
-        vector_map(axes, entry)
+        vector_map(axes, entry, margin=CLOSE)
         axes.set_title(f"{row.method}\n{_brief(row)}", fontsize=8, loc="left", linespacing=1.15)
     for axes in panels:
         axes.set_xticks([])
@@ -123,30 +125,30 @@ def draw_plan(axes: Axes, plan: Plan) -> None:
         axes.add_patch(Circle((x, y), radius, facecolor="#DADADA", edgecolor="#8E8E8E", linewidth=0.8, zorder=2))
 
 
-def _background(axes: Axes, plan: Plan, positions: FloatArray, spacing: float) -> None:
+def _background(axes: Axes, plan: Plan, positions: FloatArray, spacing: float, margin: float = AROUND) -> None:
     axes.set_facecolor(FLOOR)
     draw_plan(axes, plan)
-    low, high = _extent(plan, positions, spacing)
+    low, high = _extent(plan, positions, spacing, margin)
     axes.set_xlim(low[0], high[0])
     axes.set_ylim(low[1], high[1])
     axes.set_aspect("equal")
     axes.spines[:].set_color(style.PALE)
 
 
-def _extent(plan: Plan, positions: FloatArray, spacing: float) -> tuple[FloatArray, FloatArray]:
-    """Return the corners (2,) of what is worth showing: the grid, and the plan as far as 1 m around it."""
+def _extent(plan: Plan, positions: FloatArray, spacing: float, margin: float) -> tuple[FloatArray, FloatArray]:
+    """Return the corners (2,) of what is worth showing: the grid, and the plan as far as `margin` [m] around it."""
     low, high = positions.min(axis=0) - 0.6 * spacing, positions.max(axis=0) + 0.6 * spacing
     if plan.polylines:
         points = np.concatenate([line[:, :2] for line in plan.polylines])
-        low = np.maximum(np.minimum(low, points.min(axis=0) - 0.05), low - 1.0)
-        high = np.minimum(np.maximum(high, points.max(axis=0) + 0.05), high + 1.0)
+        low = np.maximum(np.minimum(low, points.min(axis=0) - 0.05), low - margin)
+        high = np.minimum(np.maximum(high, points.max(axis=0) + 0.05), high + margin)
     return low, high
 
 
-def _shape(entry: Entry) -> tuple[float, float]:
+def _shape(entry: Entry, margin: float = AROUND) -> tuple[float, float]:
     """Return width and height of a panel in units of its longer side."""
     survey = entry.grounds[0].survey
-    low, high = _extent(survey.plan, survey.positions, survey.spacing)
+    low, high = _extent(survey.plan, survey.positions, survey.spacing, margin)
     side = (high - low) / float((high - low).max())
     return max(float(side[0]), 0.45), max(float(side[1]), 0.3)
 
