@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from topomap.geometry import FloatArray, wrap_all
 from topomap.mapping.backend.blocks import Blocks, axis_blocks, closure_blocks, odometry_blocks, turn_blocks
 from topomap.mapping.backend.linear import LinearSystem
 from topomap.mapping.backend.problem import IntArray, Problem
-from topomap.mapping.backend.sparse import Pattern
 from topomap.mapping.chain import Chain
 from topomap.mapping.odometry import Calibration, EdgeIncrements
 
@@ -62,7 +60,6 @@ class Graph:
         self._axis_pairs = _pairs([(a.i, a.j) for a in problem.axes])
         self._axis_sigmas = np.array([a.sigma for a in problem.axes])
         self._sigmas = np.array(problem.prior_sigmas)
-        self._latest: tuple[NDArray[np.bool_], Pattern] | None = None
 
     def chain(self) -> tuple[Chain, IntArray]:
         """Return the travelled chain by the problem's own estimate, and each node's (N,) place in it."""
@@ -112,22 +109,13 @@ class Graph:
     def system(self, at: Linearised, weights: FloatArray) -> LinearSystem:
         """Return the linear system with closure weights (M,)."""
         heard = weights > WEIGHTLESS
-        system = LinearSystem(self._pattern(heard), self.problem.anchor)
+        system = LinearSystem(len(self.problem.poses), self.problem.anchor)
         system.add_calibration_prior(at.prior, self._sigmas)
         system.add(at.odometry)
         for blocks in (at.turns, at.axes):
             system.add(blocks, geman_mcclure(blocks.chi2(), self._turn_cutoff))
         system.add(at.closures.among(heard), weights[heard])
         return system
-
-    def _pattern(self, heard: NDArray[np.bool_]) -> Pattern:
-        """Return the pattern of the system with some of the closures (M,); those without weight make no fill."""
-        if self._latest is None or not np.array_equal(self._latest[0], heard):
-            closures = self.problem.closures
-            i = np.concatenate([self._pairs[:, 0], self._turn_pairs[:, 0], self._axis_pairs[:, 0], closures.i[heard]])
-            j = np.concatenate([self._pairs[:, 1], self._turn_pairs[:, 1], self._axis_pairs[:, 1], closures.j[heard]])
-            self._latest = heard, Pattern.of(len(self.problem.poses), i, j)
-        return self._latest[1]
 
     def step(self, state: State, at: Linearised, weights: FloatArray) -> tuple[State, Linearised, float]:
         """Return the state after a Gauss-Newton step, halved while that is worse, and its largest move."""
