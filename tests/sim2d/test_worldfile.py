@@ -322,3 +322,11 @@ def test_a_missing_file_and_a_misspelt_name_are_told(tmp_path: Path) -> None:
         worlds.load(str(tmp_path / "nowhere.toml"))
     with pytest.raises(WorldError, match="unknown world 'haal'; there are a1original"):
         worlds.load("haal")
+
+
+def test_the_example_file_loads() -> None:
+    spec = worldfile.load(Path(__file__).parents[2] / "examples" / "worlds" / "flat.toml")
+    assert spec.people
+    assert spec.changes
+    assert spec.gates
+    assert spec.routes
