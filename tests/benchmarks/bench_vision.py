@@ -8,6 +8,7 @@ import math
 import sys
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,9 +17,9 @@ import numpy as np
 
 from topomap.geometry import TAU
 from topomap.vision.aligned_homing import AlignedHoming
-from topomap.vision.alignment import MinWarpingCompass, VisualCompass
+from topomap.vision.alignment import ALIGNERS, MinWarpingCompass, VisualCompass
 from topomap.vision.compare import PLACE, SignatureBank, signature, squared_differences
-from topomap.vision.homing import AreaCentroid, DynamicWarping
+from topomap.vision.homing import METHODS, POLICIES, REFERENCE_METHODS, AreaCentroid, DynamicWarping, GoalView
 from topomap.vision.kernels import dtw_path
 from topomap.vision.panorama import Panorama
 from topomap.vision.ring import RingSpec, ring
@@ -38,7 +39,13 @@ def rows() -> list[Row]:
     cv2.setNumThreads(1)
     room = Room()
     goal, current = room.view(3.0, 2.5, 0.0), room.view(3.4, 2.8, 0.3)
-    return [*_compare(current, goal), *_warping(current, goal), *_dtw(current, goal), *_whole(current, goal)]
+    return [
+        *_compare(current, goal),
+        *_warping(current, goal),
+        *_dtw(current, goal),
+        *_whole(current, goal),
+        *_methods(current, goal),
+    ]
 
 
 def _compare(current: Panorama, goal: Panorama) -> list[Row]:
@@ -85,22 +92,52 @@ def _dtw(current: Panorama, goal: Panorama) -> list[Row]:
     a, b = ring(current, spec), ring(goal, spec)
     method = DynamicWarping()
     here, there = method.describe(current), method.describe(goal)
-    peer, call = _dtw_peer(a, b)
     return [
-        _row("dtw path", lambda: dtw_path(b, a, 100), "720 columns, 5 bands, band 100", peer, call),
+        *(
+            _row("dtw path", lambda: dtw_path(b, a, 100), "720 columns, 5 bands, band 100", *p)
+            for p in _dtw_peers(a, b)
+        ),
         _row("dtw unifying", lambda: method.home(here, there), "360 columns, 15 channels, flow, cost"),
     ]
 
 
-def _dtw_peer(a: Any, b: Any) -> tuple[str | None, Callable[[], object] | None]:
+def _dtw_peers(a: Any, b: Any) -> list[tuple[str | None, Callable[[], object] | None]]:
+    """Path and cost of the same sequences in the same band, by the libraries that are installed."""
+    peers: list[tuple[str | None, Callable[[], object] | None]] = []
+    x, y = b.T.astype(np.float64), a.T.astype(np.float64)
     if importlib.util.find_spec("tslearn"):
         metrics = importlib.import_module("tslearn.metrics")
-        x, y = b.T.astype(np.float64), a.T.astype(np.float64)
-        return "tslearn", lambda: metrics.dtw_path(x, y, global_constraint="sakoe_chiba", sakoe_chiba_radius=100)
+        peers.append(
+            ("tslearn", lambda: metrics.dtw_path(x, y, global_constraint="sakoe_chiba", sakoe_chiba_radius=100))
+        )
     if importlib.util.find_spec("librosa"):
-        librosa = importlib.import_module("librosa")
-        return "librosa", lambda: librosa.sequence.dtw(b, a, global_constraints=True, band_rad=100 / 720)
-    return None, None
+        sequence = importlib.import_module("librosa.sequence")
+        peers.append(
+            ("librosa", lambda: sequence.dtw(x.T, y.T, metric="cityblock", global_constraints=True, band_rad=100 / 720))
+        )
+    return peers or [(None, None)]
+
+
+def _methods(current: Panorama, goal: Panorama) -> list[Row]:
+    """Every method from a new view to the home vector, the goal's description kept; policies: one look."""
+    turned = current.rotated(0.3)
+    rows = []
+    for name, method in METHODS.items():
+        kept = method.describe(goal)
+        rows.append(_row(f"homing {name}", partial(_pairwise, method, turned, kept), "720x100, new view"))
+    for name, referenced in REFERENCE_METHODS.items():
+        view = GoalView(goal, goal.rolled(1), goal.rolled(2))
+        rows.append(_row(f"homing {name}", lambda r=referenced, v=view: r.home(_fresh(turned), v), "720x100, new view"))
+    for name, policy in POLICIES.items():
+        state = policy.start(goal)
+        rows.append(_row(f"homing {name}", lambda p=policy, s=state: p.step(s, _fresh(turned)), "720x100, new view"))
+    for name, aligner in ALIGNERS.items():
+        rows.append(_row(f"aligner {name}", lambda a=aligner: a.align(_fresh(current), goal), "720x100, new view"))
+    return rows
+
+
+def _pairwise(method: Any, current: Panorama, goal: Any) -> object:
+    return method.home(method.describe(_fresh(current)), goal)
 
 
 def _whole(current: Panorama, goal: Panorama) -> list[Row]:

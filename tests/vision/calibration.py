@@ -1,7 +1,8 @@
 """Fits the automatic choice's confidence, P(error < 45 deg) from each method's evidence, on generated rooms.
 
 Run as `python tests/vision/calibration.py`; it prints the table for `topomap/vision/homing/auto.py`. Its rooms
-have other seeds than the tests'. Every view is also met washed out, noisy and against another room's goal.
+have other seeds than the tests'. Views are also met noisy, in thickets of stems, with blocks of another room, and
+against another room's goal.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ import numpy as np
 from scenes import Room
 
 from topomap.geometry import Pose2, wrap
-from topomap.vision.homing.auto import Answer, Auto, Choice
+from topomap.vision.homing.auto import CHANCE, Answer, Auto, Choice
 from topomap.vision.panorama import Panorama
 
 HOME = Pose2(3.7, 2.8, 0.4)
@@ -30,7 +31,8 @@ def trials(seeds: range, rng: np.random.Generator) -> Iterator[tuple[Panorama, P
             pose = Pose2(HOME.x + away * math.cos(angle), HOME.y + away * math.sin(angle), rng.uniform(-3, 3))
             view = room.at(pose)
             for target in (goal, goal, other):
-                current = spoiled(view, rng.choice([0.0, 0.0, 10.0, 30.0, 80.0]), rng)
+                mixed = rng.choice([0.0, 0.0, 0.4, 0.6, 0.75])
+                current = spoiled(view, other, mixed, rng.choice([0.0, 0.0, 10.0, 30.0]), rng)
                 truth = pose.bearing_to(HOME) if target is goal else rng.uniform(-math.pi, math.pi)
                 ranged = rng.random() < 0.3
                 yield (
@@ -42,7 +44,7 @@ def trials(seeds: range, rng: np.random.Generator) -> Iterator[tuple[Panorama, P
 
 def thicket(seed: int, rng: np.random.Generator) -> Room:
     """Return a room full of thin stems close by: the hard case."""
-    away, angle = rng.uniform(0.3, 2.5, 36), rng.uniform(0, 2 * math.pi, 36)
+    away, angle = rng.uniform(0.3, 2.5, 16), rng.uniform(0, 2 * math.pi, 16)
     stems = [
         (HOME.x + d * math.cos(a), HOME.y + d * math.sin(a), rng.uniform(0.02, 0.08), rng.uniform(0.7, 2.6))
         for d, a in zip(away, angle, strict=True)
@@ -50,10 +52,14 @@ def thicket(seed: int, rng: np.random.Generator) -> Room:
     return Room(seed, cylinders=tuple(stems))
 
 
-def spoiled(view: Panorama, noise: float, rng: np.random.Generator) -> Panorama:
-    """Return the view with pixel noise [grey values]."""
-    grain = rng.normal(0.0, noise, view.image.shape) if noise else 0.0
-    return Panorama(np.clip(view.image + grain, 0, 255).astype(np.uint8), view.ranges)
+def spoiled(view: Panorama, other: Panorama, mixed: float, noise: float, rng: np.random.Generator) -> Panorama:
+    """Return the view with a share of its columns from another room, in blocks, and with noise [grey values]."""
+    image = view.image.astype(np.float64)
+    foreign = np.repeat(rng.random(24) < mixed, 30)
+    image[:, foreign] = other.image[:, foreign]
+    if noise:
+        image += rng.normal(0.0, noise, image.shape)
+    return Panorama(np.clip(image, 0, 255).astype(np.uint8), view.ranges)
 
 
 def measured(method: Auto, seeds: range, seed: int) -> list[tuple[Answer, bool]]:
@@ -67,30 +73,26 @@ def measured(method: Auto, seeds: range, seed: int) -> list[tuple[Answer, bool]]
     return results
 
 
-def logistic(evidence: np.ndarray, right: np.ndarray) -> tuple[float, float]:
-    """Return offset and slope (>= 0) of the logistic fit, with a weak prior, by Newton steps."""
-    design = np.column_stack([np.ones_like(evidence), evidence])
-    fit = np.zeros(2)
-    for _ in range(50):
-        p = 1 / (1 + np.exp(-design @ fit))
-        weight = np.maximum(p * (1 - p), 1e-6)
-        normal = design.T @ (design * weight[:, None]) + 0.02 * np.eye(2)
-        fit = fit + np.linalg.solve(normal, design.T @ (right - p) - 0.02 * fit)
-    return float(fit[0]), float(fit[1])
+def logistic(evidence: np.ndarray, right: np.ndarray) -> float:
+    """Return the slope (>= 0) of the logistic fit through chance at no evidence, with a weak prior."""
+    slope = 0.0
+    for _ in range(100):
+        p = 1 / (1 + np.exp(-(CHANCE + slope * evidence)))
+        bend = float(np.sum(p * (1 - p) * evidence**2)) + 0.05
+        slope += 0.5 * (float(np.sum((right - p) * evidence)) - 0.05 * slope) / bend
+    return max(slope, 0.0)
 
 
 def main() -> None:
     results = []
     for near, points in ((0.6, 6.0), (9.0, 1e9), (0.0, 1e9)):  # as it is; and each fallback made to answer
-        results += measured(Auto(near=near, points=points), range(100, 110), 7)
+        results += measured(Auto(near=near, points=points), range(100, 106), 7)
     choices: list[Choice] = ["epipolar", "range", "dtw", "warping"]
     for choice in choices:
         mine = [(a.evidence, r) for a, r in results if a.choice == choice]
         evidence, right = np.array([m[0] for m in mine]), np.array([float(m[1]) for m in mine])
-        offset, slope = logistic(evidence, right)
-        sys.stdout.write(
-            f'    "{choice}": ({offset:.2f}, {slope:.2f}),  # {len(mine)} trials, {right.mean():.2f} right\n'
-        )
+        slope = logistic(evidence, right)
+        sys.stdout.write(f'    "{choice}": {slope:.2f},  # {len(mine)} trials, {right.mean():.2f} right\n')
 
 
 if __name__ == "__main__":

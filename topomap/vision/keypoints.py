@@ -15,9 +15,12 @@ from topomap.vision.panorama import Panorama
 
 @dataclass(frozen=True, slots=True)
 class KeypointSpec:
-    """The recipe: most, how many SIFT points (Lowe 2004); contrast, the least of one; margin [pixels] at the seam."""
+    """The recipe: most, how many SIFT points (Lowe 2004); columns, of the view they are sought in; contrast, the
+    least of a point; margin [pixels] at the seam.
+    """
 
     most: int = 400
+    columns: int = 720
     contrast: float = 0.015
     margin: int = 32
 
@@ -43,17 +46,23 @@ def keypoints(panorama: Panorama, spec: KeypointSpec) -> Keypoints:
 
 def _keypoints(panorama: Panorama, spec: KeypointSpec) -> Keypoints:
     rig = panorama.rig
-    margin = min(spec.margin, rig.width)
     grey = cv2.cvtColor(panorama.image, cv2.COLOR_RGB2GRAY)
+    shrink = max(rig.width / spec.columns, 1.0)
+    if shrink > 1.0:
+        size = (spec.columns, max(round(rig.height / shrink), 1))
+        grey = cv2.resize(grey, size, interpolation=cv2.INTER_AREA)
+    columns = grey.shape[1]
+    margin = min(spec.margin, columns)
     wide = np.concatenate([grey[:, -margin:], grey, grey[:, :margin]], axis=1)
     found, looks = _detected(wide, spec)
-    places = np.array([point.pt for point in found], np.float64).reshape(-1, 2)
-    own = (places[:, 0] >= margin) & (places[:, 0] < margin + rig.width)
+    places = np.array([point.pt for point in found], np.float64).reshape(-1, 2) - (margin, 0)
+    own = (places[:, 0] >= 0) & (places[:, 0] < columns)
+    places = (places + 0.5) * (rig.width / columns, rig.height / len(grey)) - 0.5
     order = np.lexsort((places[own, 1], places[own, 0]))  # OpenCV's threads find them in any order
     places, looks = places[own][order], looks[own][order]
     root = np.sqrt(looks / np.maximum(looks.sum(axis=1, keepdims=True), 1e-9))
     slopes = (rig.horizon_row - places[:, 1]) / rig.focal
-    return Keypoints((places[:, 0] - margin) * (TAU / rig.width), slopes, root.astype(np.float32), rig)
+    return Keypoints(places[:, 0] * (TAU / rig.width), slopes, root.astype(np.float32), rig)
 
 
 def _detected(

@@ -19,13 +19,10 @@ from topomap.vision.scale_planes import WARPING, WarpingSpec, warping_view
 from topomap.vision.warping import best, warp
 
 Choice = Literal["epipolar", "range", "dtw", "warping", "none"]
-CALIBRATION: dict[Choice, tuple[float, float]] = {
-    "epipolar": (0.86, 2.34),
-    "range": (1.09, 10.01),
-    "dtw": (-1.77, 13.14),
-    "warping": (0.74, 10.58),
-}
-"""Offset and slope of the logistic P(error < 45 deg) of each method's own evidence (tests/vision/calibration.py)."""
+CHANCE = -1.1
+"""Log odds of being within 45 deg without any evidence: a quarter of all directions is."""
+CALIBRATION: dict[Choice, float] = {"epipolar": 2.76, "range": 5.15, "dtw": 7.35, "warping": 10.74}
+"""Slope of the logistic P(error < 45 deg) over each choice's own evidence (tests/vision/calibration.py)."""
 CENTROID, DTW, EPIPOLAR = AreaCentroid(), DynamicWarping(), Epipolar()
 
 
@@ -106,10 +103,8 @@ class Auto:
 
     def _sure(self, choice: Choice, evidence: float, found: Alignment, current: Panorama, goal: Panorama) -> Answer:
         home = found.home or HomeVector(0.0, None, 0.0)
-        offset, slope = CALIBRATION[choice]
-        sure = (
-            1.0 / (1.0 + math.exp(-min(max(offset + slope * evidence, -30.0), 30.0))) if home.confidence > 0.0 else 0.0
-        )
+        odds = CHANCE + CALIBRATION[choice] * evidence
+        sure = 1.0 / (1.0 + math.exp(-min(max(odds, -30.0), 30.0))) if home.confidence > 0.0 else 0.0
         distance = home.distance if home.distance is not None else _distance(current, goal, found.rotation)
         return Answer(
             choice, evidence, Alignment(found.rotation, found.residual, HomeVector(home.bearing, distance, sure))
