@@ -149,8 +149,9 @@ def _ranges(spec: Spec, at: Point, angles: np.ndarray) -> np.ndarray:
     for a, b in lines:
         e, p = np.subtract(b, a), np.subtract(a, at)
         cross = u[:, 0] * e[1] - u[:, 1] * e[0]
-        t = (p[0] * e[1] - p[1] * e[0]) / cross
-        s = (p[0] * u[:, 1] - p[1] * u[:, 0]) / cross
+        with np.errstate(divide="ignore", invalid="ignore"):
+            t = (p[0] * e[1] - p[1] * e[0]) / cross
+            s = (p[0] * u[:, 1] - p[1] * u[:, 0]) / cross
         best = np.where((t > 0) & (s >= 0) & (s <= 1), np.minimum(best, t), best)
     for thing in spec.cylinders:
         p = np.subtract((thing.x, thing.y), at)
