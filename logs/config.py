@@ -14,7 +14,6 @@ class LogConfig(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    enabled: bool = Field(True, description="write an MCAP log of the run")
     compression: Compression = Field("zstd", description="compression of the log's chunks: zstd, lz4 or none")
     chunk_size: int = Field(
         262_144, ge=4096, le=16_777_216, description="size at which a chunk is closed [bytes, uncompressed]"

@@ -24,7 +24,7 @@ def test_a_file_changes_defaults_and_words_change_the_file(tmp_path: Path) -> No
 
 
 def test_what_is_stored_reads_back_equal() -> None:
-    config = load_config(None, ["stack.mapper.closing.position_sigma=0.2"])
+    config = load_config(None, ["stack.mapper.closing.offset.position_sigma=0.2"])
     assert parse_config(config.resolved(), "log") == config
 
 
