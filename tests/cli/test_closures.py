@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
+from maps import RIG, STEP_NS, increments
 from typer.testing import CliRunner
 
 from topomap.app import map_surgery
@@ -17,9 +17,6 @@ from topomap.geometry import Pose2
 from topomap.mapping.backend import ClosureEdge
 from topomap.mapping.graph import Node, Snapshot, TopoMap
 from topomap.mapping.mapfile import load_map, save_map
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "helpers"))
-from maps import RIG, STEP_NS, increments
 
 
 def picture(k: int) -> bytes:

@@ -13,7 +13,8 @@ from topomap.types import Verdict
 if TYPE_CHECKING:
     from topomap.study.run_data import RunData
 
-HEADINGS = ("time [s]", "query", "match", "verdict", "truth", "off", "similarity", "scores", "reason")
+COLUMNS = (("time [s]", 8), ("query", 5), ("match", 5), ("verdict", 9), ("truth", 5), ("off", 15), ("similarity", 10),
+           ("scores", 60), ("reason", 1))  # fmt: skip
 
 
 def add_to(app: typer.Typer) -> None:
@@ -78,16 +79,26 @@ def _list(file: Path, verdict: Verdict | None, false: bool, limit: int, evaluate
 
 
 def _rows(run: RunData, verdict: Verdict | None, false: bool, limit: int) -> None:
-    from rich.table import Table
-
     from topomap.app import closures as trail
 
     rows = trail.table(run, verdict, false)
-    shown = Table(*HEADINGS, title=f"{len(rows)} closure candidates of {run.world}", title_justify="left")
+    console.print(f"{len(rows)} closure candidates of {run.world}", soft_wrap=True, highlight=False)
+    # one line a candidate however long, so that it can be searched
+    console.print("  ".join(f"{name:<{width}}" for name, width in COLUMNS), soft_wrap=True, highlight=False)
     for row in rows[: limit or None]:
-        shown.add_row(row.time, row.query, row.match, row.verdict, row.truth, row.off, row.similarity, row.scores,
-                      row.reason)  # fmt: skip
-    console.print(shown)
+        cells = (
+            row.time,
+            row.query,
+            row.match,
+            row.verdict,
+            row.truth,
+            row.off,
+            row.similarity,
+            row.scores,
+            row.reason,
+        )
+        line = "  ".join(f"{cell:<{width}}" for cell, (_, width) in zip(cells, COLUMNS, strict=True))
+        console.print(line.rstrip(), soft_wrap=True, markup=False, highlight=False)
     if limit and len(rows) > limit:
         console.print(f"{len(rows) - limit} more")
 

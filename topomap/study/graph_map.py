@@ -12,7 +12,7 @@ from topomap.geometry import FloatArray, compose
 from topomap.mapping.backend import BackendSettings, Closures, OdometryEdge, Problem, Solution, solve
 from topomap.mapping.backend.blocks import closure_chi2
 from topomap.mapping.chain import Chain
-from topomap.mapping.consistency import Claims, SupportSettings, support
+from topomap.mapping.consistency import surprise
 from topomap.mapping.odometry import Calibration, EdgeIncrements, Increments, IntArray, Preintegrated
 from topomap.study.datasets.g2o import BoolArray, PoseGraph
 
@@ -20,7 +20,7 @@ HELD = (1e-6, 1e-6, 1e-6)  # a pose graph's odometry has no systematic error to 
 
 
 def _growing() -> BackendSettings:
-    return BackendSettings(cutoffs=(12.0, 6.0, 3.4), iterations=2, tolerance=0.02)
+    return BackendSettings(cutoffs=(8.0, 3.4), iterations=1, tolerance=0.02)
 
 
 def _closing() -> BackendSettings:
@@ -32,10 +32,12 @@ class GraphSettings(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    support: SupportSettings = Field(default_factory=SupportSettings, description="which neighbours agree")
+    window: float = Field(default=8.0, gt=0, description="way within which both ends of neighbours lie [m]")
+    chance: float = Field(default=0.003, gt=0, lt=1, description="at most so probably neighbours agree by chance")
+    tight: float = Field(default=3e-4, gt=0, lt=1, description="share of all claims that fit where a lone one may")
     gate: float = Field(default=0.999, gt=0.5, lt=1, description="share of true closures that odometry lets pass")
     pieces: int = Field(default=50, ge=1, description="nodes between two solves at least")
-    solves: int = Field(default=40, ge=1, description="solves while growing at most")
+    solves: int = Field(default=20, ge=1, description="solves while growing at most")
     growing: BackendSettings = Field(default_factory=_growing, description="the solve every so often")
     closing: BackendSettings = Field(default_factory=_closing, description="the last solves")
     lone: float = Field(default=2.5, ge=1, description="windows around a closure that must hold another at the end")
@@ -67,15 +69,17 @@ class Growth:
         self._poses = np.zeros((1, 3))
         self._active = np.zeros(0, np.int64)
         self._believed = np.zeros(0, np.int64)
-        self._way = np.concatenate([[0.0], np.cumsum(np.hypot(*graph.odometry[:, :2].T))])
-        agreed = self._support(np.arange(len(graph.i)))
-        # where nothing agrees with anything, agreement can't be asked for
-        self._waiting = np.flatnonzero(agreed > 0) if (agreed > 0).any() else np.arange(len(graph.i))
+        self._odometry = Chain.of(odometry_poses(graph), self._integrated, Calibration(), np.diag(np.square(HELD)))
+        self._volume = _volume(self._odometry.poses)
+        every = np.arange(len(graph.i))
+        self._agreed = self._told(every, self._s.window)
+        self._waiting = every
 
-    def _support(self, which: IntArray) -> FloatArray:
+    def _told(self, which: IntArray, window: float) -> BoolArray:
+        """Return which of some closures others agree with, more than chance would have it."""
         some = self._closures[which]
-        claims = Claims(some.i, some.j, some.relative, np.zeros(len(which), bool), some.weight)
-        return support(claims, odometry_poses(self._graph), self._way, self._s.support)
+        found = surprise(some.relative, some.covariance, some.i, some.j, self._odometry, window, self._volume)
+        return found[1] <= self._s.chance
 
     def grow(self) -> None:
         """Follow the chain, with a solve whenever new closures pass the gate."""
@@ -102,7 +106,10 @@ class Growth:
         return self._waiting[inside], self._waiting[~inside]
 
     def _allowed(self, new: IntArray) -> BoolArray:
-        """Return which of the new closures odometry allows, since the last node that a believed closure holds."""
+        """Return which of the new closures odometry allows since the last node that a believed closure holds.
+
+        One that nobody agrees with must also fit where little would: then its fit is evidence enough.
+        """
         if not len(new):
             return np.zeros(0, bool)
         some = self._closures[new]
@@ -110,8 +117,10 @@ class Growth:
         since = np.array([held[held <= j].max() for j in some.j.tolist()], np.int64)
         start = np.where(since > some.i, since, some.i)
         covariance = self._chain().covariance(start, some.j)
-        chi2 = closure_chi2(self._poses, some, covariance)
-        return np.asarray(chi2 <= chdtri(3, 1 - self._s.gate))
+        limit = float(chdtri(3, 1 - self._s.gate))
+        fits = closure_chi2(self._poses, some, covariance) <= limit
+        ellipsoid = 4 / 3 * np.pi * limit**1.5 * np.sqrt(np.linalg.det(covariance + some.covariance))
+        return np.asarray(fits & (self._agreed[new] | (ellipsoid <= self._s.tight * self._volume)))
 
     def _chain(self) -> Chain:
         edges = Preintegrated(*(part[: len(self._poses) - 1] for part in self._integrated))
@@ -140,11 +149,8 @@ class Growth:
         return Mapped(self._poses, np.isin(np.arange(len(self._graph.i)), self._believed))
 
     def _supported(self, believed: IntArray) -> BoolArray:
-        """Return which of the believed closures another one supports: one that fits alone may fit by chance."""
-        some = self._closures[believed]
-        claims = Claims(some.i, some.j, some.relative, np.zeros(len(believed), bool), some.weight)
-        wide = self._s.support.model_copy(update={"window": self._s.lone * self._s.support.window})
-        return support(claims, self._poses, self._way, wide) > 0
+        """Return which of the believed closures others support: one that fits alone may fit by chance."""
+        return self._told(believed, self._s.lone * self._s.window)
 
     def _near(self) -> IntArray:
         """Return the closures that the map allows within twice the last cutoff."""
@@ -168,6 +174,12 @@ def odometry_edges(graph: PoseGraph) -> tuple[OdometryEdge, ...]:
     return tuple(
         OdometryEdge(k, k + 1, Increments(np.array([k + 1]), d[None], q[None])) for k, (d, q) in enumerate(rows)
     )
+
+
+def _volume(poses: FloatArray) -> float:
+    """Return the area of the drive [m^2] times all headings [rad]."""
+    width, height = np.maximum(np.ptp(poses[:, :2], axis=0), 1.0)
+    return float(width * height * 2 * np.pi)
 
 
 def odometry_poses(graph: PoseGraph) -> FloatArray:

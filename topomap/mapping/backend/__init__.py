@@ -3,6 +3,7 @@
 from topomap.mapping.backend.problem import AxisEdge, ClosureEdge, Closures, OdometryEdge, Problem, Solution, TurnEdge
 from topomap.mapping.backend.settings import BackendSettings
 from topomap.mapping.backend.solver import solve
+from topomap.mapping.backend.window import solve_recent
 
 __all__ = [
     "AxisEdge",
@@ -14,4 +15,5 @@ __all__ = [
     "Solution",
     "TurnEdge",
     "solve",
+    "solve_recent",
 ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from topomap.errors import TopomapError
 from topomap.geometry import FloatArray
 from topomap.mapping.backend.problem import Problem, Solution
 from topomap.mapping.backend.schedule import Schedule, Weighing
@@ -71,8 +72,13 @@ def _best(graph: Graph, start: State, at: Linearised, settings: BackendSettings)
 def _end(
     graph: Graph, start: State, at: Linearised, schedule: Weighing, settings: BackendSettings
 ) -> tuple[State, Linearised, int]:
-    state, there, steps = _anneal(graph, start, at, schedule, settings.cutoff)
-    return _settle(graph, state, there, settings, steps)
+    try:
+        state, there, steps = _anneal(graph, start, at, schedule, settings.cutoff)
+        return _settle(graph, state, there, settings, steps)
+    except TopomapError:
+        # closures faded to almost nothing leave a long chain too soft for double precision: this way leads nowhere.
+        # A graph that was never determined is refused later, when its covariance is asked for at the start
+        return start, at, 0
 
 
 def _anneal(
