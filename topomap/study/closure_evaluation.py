@@ -79,7 +79,7 @@ def curve(score: str, values: FloatArray, true: BoolArray) -> Curve:
     """
     order = np.argsort(-values, kind="stable")
     found = np.cumsum(true[order])
-    last = np.append(np.diff(values[order]) != 0, True)
+    last = np.append(values[order][1:] != values[order][:-1], True)
     precision, recall = (found / np.arange(1, len(found) + 1))[last], (found / int(true.sum()))[last]
     auc = float((precision * np.diff(recall, prepend=0.0)).sum())
     full = recall[precision == 1.0]
