@@ -56,3 +56,11 @@ def test_an_edge_from_a_node_to_itself_is_refused() -> None:
             problem.odometry,
             Closures(closures.i, closures.i, closures.relative, closures.covariance, closures.weight),
         )
+
+
+@pytest.mark.parametrize("nodes", [100, 2500])
+def test_what_nothing_shows_keeps_its_prior_however_long_the_chain(nodes: int) -> None:
+    """In absolute poses 1,000 edges use up double precision: the sigmas came out five times too small."""
+    problem = ring(0, nodes=nodes, length=nodes, closures=0).problem
+    sigmas = np.sqrt(np.diag(solve(problem).calibration_covariance))
+    assert np.allclose(sigmas, problem.prior_sigmas, rtol=1e-6)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import gtsam
 import numpy as np
 
@@ -21,6 +19,7 @@ class LinearSystem:
         self._nodes = nodes
         self._graph = gtsam.GaussianFactorGraph()
         self._units = [gtsam.noiseModel.Unit.Create(rows) for rows in range(1, 4)]
+        self._net: gtsam.GaussianBayesNet | None = None
         self._prior(anchor, np.eye(3) / ANCHOR_SIGMA, np.zeros(3))
 
     def _prior(self, key: int, root: FloatArray, residual: FloatArray) -> None:
@@ -48,21 +47,26 @@ class LinearSystem:
     def solve(self) -> tuple[FloatArray, FloatArray]:
         """Return the step of poses (N, 3) and calibration (3,); raises TopomapError if undetermined."""
         try:
-            step = self._graph.optimize(self._order())
+            step = self._eliminated().optimize()
             poses = np.array([step.at(key) for key in range(self._nodes)])
         except (RuntimeError, IndexError) as error:
             raise TopomapError(f"the pose graph isn't determined: {_first_line(error)}") from error
         return poses, np.asarray(step.at(self._nodes))
 
     def covariance(self) -> FloatArray:
-        """Return the marginal covariance (3, 3) of the calibration."""
-        return self.marginals(())[1]
+        """Return the marginal covariance (3, 3) of the calibration, which is eliminated last."""
+        try:
+            net = self._eliminated()
+        except RuntimeError as error:
+            raise TopomapError(f"the pose graph isn't determined: {_first_line(error)}") from error
+        root = np.asarray(net.at(net.size() - 1).R())
+        return np.asarray(np.linalg.inv(root.T @ root))
 
-    def marginals(self, nodes: Sequence[int]) -> tuple[FloatArray, FloatArray]:
-        """Return the marginal covariances (n, 3, 3) of these poses and (3, 3) of the calibration."""
-        tree = self._graph.eliminateMultifrontal(self._order())
-        poses = np.array([tree.marginalCovariance(node) for node in nodes]).reshape(-1, 3, 3)
-        return poses, np.asarray(tree.marginalCovariance(self._nodes))
+    def _eliminated(self) -> gtsam.GaussianBayesNet:
+        # one pose at a time: gtsam takes cliques of several poses at the soft end of a long chain for undetermined
+        if self._net is None:
+            self._net = self._graph.eliminateSequential(self._order())
+        return self._net
 
     def _order(self) -> gtsam.Ordering:
         # every odometry edge knows the calibration: eliminated before the poses it would join them all

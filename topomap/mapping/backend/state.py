@@ -8,6 +8,7 @@ import numpy as np
 
 from topomap.geometry import FloatArray, wrap_all
 from topomap.mapping.backend.blocks import Blocks, axis_blocks, closure_blocks, odometry_blocks, turn_blocks
+from topomap.mapping.backend.carried import carried, with_calibration
 from topomap.mapping.backend.linear import LinearSystem
 from topomap.mapping.backend.problem import IntArray, Problem
 from topomap.mapping.chain import Chain
@@ -38,13 +39,14 @@ class State:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Linearised:
-    """All residuals at a state."""
+    """All residuals at a state, and how the poses move with the calibration (N, 3, 3) if odometry alone counts."""
 
     odometry: Blocks
     closures: Blocks
     turns: Blocks
     axes: Blocks
     prior: FloatArray
+    carried: FloatArray
 
 
 class Graph:
@@ -79,12 +81,14 @@ class Graph:
         """Return every residual at the state."""
         edges = self._edges.integrate(state.calibration)
         i, j = self._turn_pairs[:, 0], self._turn_pairs[:, 1]
+        odometry = odometry_blocks(state.poses, state.calibration, self._pairs, edges)
         return Linearised(
-            odometry_blocks(state.poses, state.calibration, self._pairs, edges),
+            odometry,
             closure_blocks(state.poses, self.problem.closures),
             turn_blocks(state.poses, i, j, self._turns[:, 0], self._turns[:, 1]),
             axis_blocks(state.poses, self._axis_pairs[:, 0], self._axis_pairs[:, 1], self._axis_sigmas),
             state.calibration.vector() - self.problem.prior.vector(),
+            carried(odometry, state.poses, self.problem.anchor),
         )
 
     def error(self, at: Linearised, weights: FloatArray) -> float:
@@ -107,19 +111,21 @@ class Graph:
         return float((chi2 * cutoff2 / (chi2 + cutoff2)).sum())
 
     def system(self, at: Linearised, weights: FloatArray) -> LinearSystem:
-        """Return the linear system with closure weights (M,)."""
+        """Return the linear system with closure weights (M,), in poses that the calibration carries along."""
         heard = weights > WEIGHTLESS
         system = LinearSystem(len(self.problem.poses), self.problem.anchor)
         system.add_calibration_prior(at.prior, self._sigmas)
-        system.add(at.odometry)
+        system.add(at.odometry._replace(by_calibration=None))
         for blocks in (at.turns, at.axes):
-            system.add(blocks, geman_mcclure(blocks.chi2(), self._turn_cutoff))
-        system.add(at.closures.among(heard), weights[heard])
+            faded = geman_mcclure(blocks.chi2(), self._turn_cutoff)
+            system.add(with_calibration(blocks, at.carried), faded)
+        system.add(with_calibration(at.closures.among(heard), at.carried), weights[heard])
         return system
 
     def step(self, state: State, at: Linearised, weights: FloatArray) -> tuple[State, Linearised, float]:
         """Return the state after a Gauss-Newton step, halved while that is worse, and its largest move."""
-        poses, calibration = self.system(at, weights).solve()
+        own, calibration = self.system(at, weights).solve()
+        poses = own + at.carried @ calibration
         before = self.error(at, weights)
         longest = 1.0 / max(1.0, float((np.abs(calibration) / LARGEST_STEP).max()))
         for halvings in range(5):
