@@ -33,13 +33,14 @@ class GraphSettings(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     window: float = Field(default=8.0, gt=0, description="way within which both ends of neighbours lie [m]")
-    chance: float = Field(default=0.003, gt=0, lt=1, description="at most so probably neighbours agree by chance")
+    chance: float = Field(default=0.01, gt=0, lt=1, description="at most so probably neighbours agree by chance")
     tight: float = Field(default=3e-4, gt=0, lt=1, description="share of all claims that fit where a lone one may")
     gate: float = Field(default=0.999, gt=0.5, lt=1, description="share of true closures that odometry lets pass")
     pieces: int = Field(default=50, ge=1, description="nodes between two solves at least")
     solves: int = Field(default=20, ge=1, description="solves while growing at most")
     growing: BackendSettings = Field(default_factory=_growing, description="the solve every so often")
     closing: BackendSettings = Field(default_factory=_closing, description="the last solves")
+    standing: float = Field(default=0.01, gt=0, lt=1, description="the same for a closure to stand at the end")
     lone: float = Field(default=2.5, ge=1, description="windows around a closure that must hold another at the end")
     rounds: int = Field(default=3, ge=1, description="how often the finished map hears all closures again")
 
@@ -72,14 +73,14 @@ class Growth:
         self._odometry = Chain.of(odometry_poses(graph), self._integrated, Calibration(), np.diag(np.square(HELD)))
         self._volume = _volume(self._odometry.poses)
         every = np.arange(len(graph.i))
-        self._agreed = self._told(every, self._s.window)
+        self._agreed = self._told(every, self._s.window, self._s.chance)
         self._waiting = every
 
-    def _told(self, which: IntArray, window: float) -> BoolArray:
+    def _told(self, which: IntArray, window: float, chance: float) -> BoolArray:
         """Return which of some closures others agree with, more than chance would have it."""
         some = self._closures[which]
         found = surprise(some.relative, some.covariance, some.i, some.j, self._odometry, window, self._volume)
-        return found[1] <= self._s.chance
+        return found[1] <= chance
 
     def grow(self) -> None:
         """Follow the chain, with a solve whenever new closures pass the gate."""
@@ -150,7 +151,7 @@ class Growth:
 
     def _supported(self, believed: IntArray) -> BoolArray:
         """Return which of the believed closures others support: one that fits alone may fit by chance."""
-        return self._told(believed, self._s.lone * self._s.window)
+        return self._told(believed, self._s.lone * self._s.window, self._s.standing)
 
     def _near(self) -> IntArray:
         """Return the closures that the map allows within twice the last cutoff."""
