@@ -43,7 +43,7 @@ def graphs(
     shown = Table(*HEADINGS, title="injected false closures", title_justify="left")
     for line in graph_bench.table(rows):
         shown.add_row(*line)
-    console.print(shown)
+    console.print(shown, width=max(console.width, 140), crop=False)
     for path in graph_bench.write_bench(rows, out):
         console.print(str(path), soft_wrap=True)
 
