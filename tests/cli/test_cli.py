@@ -20,7 +20,7 @@ def call(monkeypatch: pytest.MonkeyPatch, *words: str) -> int:
 @pytest.mark.parametrize(
     ("words", "says"),
     [
-        (["run", "nowhere"], "unknown world 'nowhere'; there are hall, office-loop, room-corridor"),
+        (["run", "nowhere"], "unknown world 'nowhere'; there are a1original, "),
         (["run", "hall", "--set", "stack.speed=3"], "unknown key stack.speed"),
         (["run", "hall", "--config", "none.toml"], "none.toml: cannot be read"),
         (["run", "hall", "--out", "/proc/none"], "/proc/none: the output folder can't be made"),
