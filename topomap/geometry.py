@@ -23,11 +23,6 @@ def wrap_all(angles: FloatArray) -> FloatArray:
     return np.pi - np.mod(np.pi - angles, TAU)
 
 
-def mean_angle(angles: FloatArray) -> float:
-    """Return the direction of the mean unit vector of angles (N,) [rad]."""
-    return math.atan2(float(np.sin(angles).sum()), float(np.cos(angles).sum()))
-
-
 @dataclass(frozen=True, slots=True)
 class Pose2:
     """A pose of frame b in frame a (`a_from_b`): x, y [m] and heading [rad, counter-clockwise]."""

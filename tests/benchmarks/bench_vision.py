@@ -16,9 +16,10 @@ import cv2
 import numpy as np
 
 from topomap.geometry import TAU
+from topomap.mapping.place_index import PlaceIndex
 from topomap.vision.aligned_homing import AlignedHoming
 from topomap.vision.alignment import ALIGNERS, MinWarpingCompass, VisualCompass
-from topomap.vision.compare import PLACE, SignatureBank, signature, squared_differences
+from topomap.vision.compare import PLACE, signature, squared_differences
 from topomap.vision.homing import METHODS, POLICIES, REFERENCE_METHODS, AreaCentroid, DynamicWarping, GoalView
 from topomap.vision.kernels import dtw_path
 from topomap.vision.panorama import Panorama
@@ -49,10 +50,10 @@ def rows() -> list[Row]:
 
 
 def _compare(current: Panorama, goal: Panorama) -> list[Row]:
-    bank, view = SignatureBank(), signature(current)
+    index, view = PlaceIndex(), signature(current)
     stored = [signature(goal.rolled(7 * k)) for k in range(NODES)]
     for one in stored:
-        bank.add(one)
+        index.add(one)
     sharp = VisualCompass().spec
     a, b = signature(current, sharp), signature(goal, sharp)
 
@@ -61,7 +62,7 @@ def _compare(current: Panorama, goal: Panorama) -> list[Row]:
 
     return [
         _row("signature", lambda: signature(_fresh(current), PLACE), "720x100 to 90x10"),
-        _row("place search", lambda: bank.compare(view), f"{NODES} x 90x10", "cv2.matchTemplate", matched),
+        _row("place search", lambda: index.search(view, 1), f"{NODES} x 90x10", "cv2.matchTemplate", matched),
         _row(
             "compass ssd",
             lambda: squared_differences(a, b.spectrum[np.newaxis]),

@@ -27,6 +27,7 @@ def call(monkeypatch: pytest.MonkeyPatch, *words: str) -> int:
         (["replay", "none.mcap"], "none.mcap"),
         (["report", "none.mcap"], "none.mcap"),
         (["info", "none.mcap"], "none.mcap"),
+        (["recover", "none.mcap", "out.mcap"], "none.mcap"),
         (["export", "none.mcap", "--tum"], "none.mcap"),
         (["map", "tuc", "none"], "none"),
     ],
@@ -47,7 +48,9 @@ def test_a_mistake_is_one_line_and_exit_code_2(
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("command", [[], ["run"], ["replay"], ["report"], ["info"], ["export"], ["map", "tuc"]])
+@pytest.mark.parametrize(
+    "command", [[], ["run"], ["replay"], ["report"], ["info"], ["recover"], ["export"], ["map", "tuc"]]
+)
 def test_help_says_what_a_command_does(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], command: list[str]
 ) -> None:

@@ -33,10 +33,3 @@ def test_withdrawing_needs_an_accepted_closure() -> None:
     assert ledger.accepted == ()
     with pytest.raises(TopomapError, match="no accepted closure"):
         ledger.withdraw(300, key_of(one), "again")
-
-
-def test_a_query_gets_its_node() -> None:
-    ledger, one = Ledger(), candidate(100)
-    ledger.decide(100, one, Verdict.ACCEPTED, "fits")
-    ledger.give_node(key_of(one), 7)
-    assert ledger.accepted[0].query == 7

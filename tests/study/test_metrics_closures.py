@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from synthetic_run import LAP, candidate, decide, make_run, stamp
+from synthetic_run import LAP, candidate, decide, make_run
 
 from topomap.geometry import Pose2
-from topomap.study.metrics_closures import closures, count, judge, passes, recalled, relative_truth, runs_of
+from topomap.study.metrics_closures import count, judge, passes, recalled, runs_of
 from topomap.types import Verdict
 
 RUN = make_run()
@@ -113,11 +113,3 @@ def test_no_possible_closure_has_no_recall() -> None:
 def test_runs_of_flags() -> None:
     assert runs_of(np.array([1, 1, 0, 1, 0, 0, 1], dtype=np.bool_)) == [(0, 1), (3, 3), (6, 6)]
     assert runs_of(np.zeros(3, dtype=np.bool_)) == []
-
-
-def test_the_true_relation_of_a_closure() -> None:
-    closure = closures(RUN)[1]
-    assert closure.candidate.query_ns == stamp(LAP + 5)
-    relative = relative_truth(RUN, closure)
-    assert relative is not None
-    assert relative.array() == pytest.approx(closure.candidate.relative.array())

@@ -1,4 +1,4 @@
-"""Commands on runs: run, replay, report, info, export."""
+"""Commands on runs: run, replay, report, info, recover, export."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 def add_to(app: typer.Typer) -> None:
     """Add the commands to the program."""
-    for command in (run, replay, report, info, export):
+    for command in (run, replay, report, info, recover, export):
         app.command()(command)
 
 
@@ -75,6 +75,16 @@ def info(log: Path = typer.Argument(help="MCAP log of a run.", metavar="RUN.mcap
     rows, topics = describe_log(log)
     table(rows, str(log))
     table(topics, "topics")
+
+
+def recover(
+    log: Path = typer.Argument(help="MCAP log that was cut off or damaged.", metavar="BROKEN.mcap"),
+    out: Path = typer.Argument(help="The repaired log; must not exist yet.", metavar="OUT.mcap"),
+) -> None:
+    """Copy all that is readable of a log into a new, complete one, for viewers that refuse a cut-off file."""
+    from topomap.app.recover import recover_log
+
+    console.print(f"{out}: {recover_log(log, out)}", soft_wrap=True)
 
 
 def export(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 from topomap.errors import TopomapError
 from topomap.types import Candidate, Decision, Verdict
@@ -58,8 +58,3 @@ class Ledger:
     def pending(self) -> tuple[Candidate, ...]:
         """The candidates that wait for more evidence."""
         return self.standing(Verdict.PENDING)
-
-    def give_node(self, key: Key, query: int) -> None:
-        """Note the node that a candidate's query has become."""
-        standing = self._latest[key]
-        self._latest[key] = replace(standing, candidate=replace(standing.candidate, query=query))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from topomap.geometry import FloatArray, Pose2, wrap
+from topomap.geometry import FloatArray, wrap
 from topomap.study.metrics import step_at, travel
 from topomap.study.run_data import BoolArray, RunData
 from topomap.types import Candidate, Decision, Verdict
@@ -187,14 +187,3 @@ def count(run: RunData) -> ClosureCounts:
         possible=len(closed),
         recall=float(closed.mean()) if len(closed) else None,
     )
-
-
-def relative_truth(run: RunData, closure: Closure) -> Pose2 | None:
-    """Return the true `match_from_query` [m, rad] of a closure; None where a true heading is missing."""
-    if run.truth is None:
-        return None
-    query = run.truth[step_at(run.stamps_ns, closure.candidate.query_ns)]
-    match = run.truth[step_at(run.stamps_ns, closure.candidate.match_ns)]
-    if not (np.isfinite(query).all() and np.isfinite(match).all()):
-        return None
-    return Pose2.of(match).to(Pose2.of(query))

@@ -151,34 +151,3 @@ def parabola(
     safe = np.where(bend > 1e-12, bend, np.inf)
     offset = np.clip(0.5 * (below - above) / safe, -0.5, 0.5)
     return offset, here - 0.25 * (below - above) * offset
-
-
-class SignatureBank:
-    """Stored signatures of one recipe, compared with a current one all at once; grows by doubling."""
-
-    def __init__(self) -> None:
-        self._spectra: Complex64Array = np.empty((0, 0, 0), np.complex64)
-        self._count = 0
-
-    def __len__(self) -> int:
-        """Return the number of stored signatures."""
-        return self._count
-
-    def add(self, view: Signature) -> int:
-        """Store a signature and return its index. Raises ShapeError when it is of another recipe."""
-        if self._count and view.spectrum.shape != self._spectra.shape[1:]:
-            raise ShapeError(f"the bank keeps spectra {self._spectra.shape[1:]}, got {view.spectrum.shape}")
-        if self._count == len(self._spectra):
-            grown = np.empty((max(64, 2 * self._count), *view.spectrum.shape), np.complex64)
-            grown[: self._count] = self._spectra[: self._count] if self._count else 0
-            self._spectra = grown
-        self._spectra[self._count] = view.spectrum
-        self._count += 1
-        return self._count - 1
-
-    def compare(self, current: Signature, first: int | None = None) -> RotationDifferences:
-        """Return the differences to the first stored signatures, by default to all. Raises ShapeError."""
-        count = self._count if first is None else min(first, self._count)
-        if count == 0:
-            return RotationDifferences(np.empty(0, np.float32), np.empty(0))
-        return rotation_differences(current, self._spectra[:count])
