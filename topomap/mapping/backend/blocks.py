@@ -38,6 +38,16 @@ class Blocks(NamedTuple):
         calibration = None if self.by_calibration is None else self.by_calibration[part]
         return Blocks(self.i[part], self.j[part], self.by_i[part], self.by_j[part], calibration, self.residual[part])
 
+    def weighted(self, weights: FloatArray) -> Blocks:
+        """Return the residuals with their squares counted weights (n,) times."""
+        root = np.sqrt(weights)
+        wide = root[:, None, None]
+        calibration = None if self.by_calibration is None else self.by_calibration * wide
+        return self._replace(
+            by_i=self.by_i * wide, by_j=self.by_j * wide, by_calibration=calibration,
+            residual=self.residual * root[:, None],
+        )  # fmt: skip
+
 
 def roots(covariance: FloatArray) -> FloatArray:
     """Return (n, 3, 3) whitening matrices W with W^T W the inverse of covariance (n, 3, 3)."""

@@ -8,19 +8,26 @@ import numpy as np
 from topomap.errors import TopomapError
 from topomap.geometry import FloatArray
 from topomap.mapping.backend.blocks import Blocks
+from topomap.mapping.backend.condense import STRETCH, Condensed
 
 ANCHOR_SIGMA = 1e-3  # [m, rad] the anchor's residual is zero at the solution, so this only sets the conditioning
 
 
 class LinearSystem:
-    """Whitened residuals linear in N poses (keys 0..N-1) and one calibration vector (key N)."""
+    """Whitened residuals linear in N poses (keys 0..N-1) and one calibration vector (key N).
 
-    def __init__(self, nodes: int, anchor: int) -> None:
-        self._nodes = nodes
+    gtsam eliminates the poses that the chain keeps; those it leaves out are found from them.
+    """
+
+    def __init__(self, nodes: int, anchor: int, chain: Condensed | None) -> None:
+        self._nodes, self._chain = nodes, chain
         self._graph = gtsam.GaussianFactorGraph()
-        self._units = [gtsam.noiseModel.Unit.Create(rows) for rows in range(1, 4)]
+        self._units = [gtsam.noiseModel.Unit.Create(rows) for rows in range(1, STRETCH + 1)]
         self._net: gtsam.GaussianBayesNet | None = None
+        self._keys = np.arange(nodes) if chain is None else np.setdiff1d(np.arange(nodes), chain.left_out())
         self._prior(anchor, np.eye(3) / ANCHOR_SIGMA, np.zeros(3))
+        for blocks in () if chain is None else chain.blocks():
+            self.add(blocks)
 
     def _prior(self, key: int, root: FloatArray, residual: FloatArray) -> None:
         self._graph.add(gtsam.JacobianFactor(key, root, -residual, self._units[2]))
@@ -29,29 +36,31 @@ class LinearSystem:
         """Add the prior on the calibration: residual (3,) from its mean, sigmas (3,)."""
         self._prior(self._nodes, np.diag(1 / sigmas), residual / sigmas)
 
-    def add(self, blocks: Blocks, weights: FloatArray | None = None) -> None:
-        """Add every residual, its square counted weights (n,) times."""
-        root = np.ones(len(blocks.i)) if weights is None else np.sqrt(weights)
-        by_i, by_j = blocks.by_i * root[:, None, None], blocks.by_j * root[:, None, None]
+    def add(self, blocks: Blocks) -> None:
+        """Add every residual."""
         model, add, factor = self._units[blocks.residual.shape[1] - 1], self._graph.add, gtsam.JacobianFactor
-        right = -blocks.residual * root[:, None]
-        rows = zip(blocks.i.tolist(), by_i, blocks.j.tolist(), by_j, right, strict=True)
+        rows = zip(blocks.i.tolist(), blocks.by_i, blocks.j.tolist(), blocks.by_j, -blocks.residual, strict=True)
         if blocks.by_calibration is None:
             for i, a, j, b, r in rows:
                 add(factor(i, a, j, b, r, model))
             return
-        by_calibration = blocks.by_calibration * root[:, None, None]
-        for (i, a, j, b, r), c in zip(rows, by_calibration, strict=True):
+        for (i, a, j, b, r), c in zip(rows, blocks.by_calibration, strict=True):
             add(factor(i, a, j, b, self._nodes, c, r, model))
 
     def solve(self) -> tuple[FloatArray, FloatArray]:
         """Return the step of poses (N, 3) and calibration (3,); raises TopomapError if undetermined."""
+        poses = np.zeros((self._nodes, 3))
         try:
             step = self._eliminated().optimize()
-            poses = np.array([step.at(key) for key in range(self._nodes)])
+            poses[self._keys] = [step.at(key) for key in self._keys.tolist()]
         except (RuntimeError, IndexError) as error:
             raise TopomapError(f"the pose graph isn't determined: {_first_line(error)}") from error
-        return poses, np.asarray(step.at(self._nodes))
+        calibration = np.asarray(step.at(self._nodes))
+        if self._chain is not None:
+            self._chain.fill(poses, calibration)
+        if not np.isfinite(poses).all():
+            raise TopomapError("the pose graph isn't determined: its chain is too soft between two closures")
+        return poses, calibration
 
     def covariance(self) -> FloatArray:
         """Return the marginal covariance (3, 3) of the calibration, which is eliminated last."""

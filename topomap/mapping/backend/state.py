@@ -9,6 +9,7 @@ import numpy as np
 from topomap.geometry import FloatArray, wrap_all
 from topomap.mapping.backend.blocks import Blocks, axis_blocks, closure_blocks, odometry_blocks, turn_blocks
 from topomap.mapping.backend.carried import carried, with_calibration
+from topomap.mapping.backend.condense import BoolArray, Condensed, condense
 from topomap.mapping.backend.linear import LinearSystem
 from topomap.mapping.backend.problem import IntArray, Problem
 from topomap.mapping.chain import Chain
@@ -62,10 +63,22 @@ class Graph:
         self._axis_pairs = _pairs([(a.i, a.j) for a in problem.axes])
         self._axis_sigmas = np.array([a.sigma for a in problem.axes])
         self._sigmas = np.array(problem.prior_sigmas)
+        self._order = np.append(self._pairs[:, 0], self._pairs[-1:, 1])
+        self._turn_on_edge = self._on_edge(self._turn_pairs)
+        self._axis_on_edge = self._on_edge(self._axis_pairs)
+
+    def _on_edge(self, pairs: IntArray) -> BoolArray:
+        """Return which of some pairs (n, 2) are neighbours on the way, in its direction, each edge's first only."""
+        place = np.full(len(self.problem.poses), -2)
+        place[self._order] = np.arange(len(self._order))
+        beside = (place[pairs[:, 1]] - place[pairs[:, 0]] == 1) & (place[pairs[:, 0]] >= 0)
+        first = np.zeros(len(pairs), bool)
+        first[np.unique(pairs[:, 0], return_index=True)[1]] = True
+        return np.asarray(beside & first)
 
     def chain(self) -> tuple[Chain, IntArray]:
         """Return the travelled chain by the problem's own estimate, and each node's (N,) place in it."""
-        order = np.append(self._pairs[:, 0], self._pairs[-1:, 1])
+        order = self._order
         edges = self._edges.integrate(self.problem.calibration)
         covariance = np.diag(self._sigmas**2)
         chain = Chain.of(self.problem.poses[order], edges, self.problem.calibration, covariance)
@@ -113,14 +126,30 @@ class Graph:
     def system(self, at: Linearised, weights: FloatArray) -> LinearSystem:
         """Return the linear system with closure weights (M,), in poses that the calibration carries along."""
         heard = weights > WEIGHTLESS
-        system = LinearSystem(len(self.problem.poses), self.problem.anchor)
+        closures = with_calibration(at.closures.among(heard), at.carried)
+        inside, across = [], []
+        for blocks, on_edge in ((at.turns, self._turn_on_edge), (at.axes, self._axis_on_edge)):
+            faded = with_calibration(blocks, at.carried).weighted(geman_mcclure(blocks.chi2(), self._turn_cutoff))
+            inside.append(faded.among(on_edge))
+            across.append(faded.among(~on_edge))
+        system = LinearSystem(
+            len(self.problem.poses), self.problem.anchor, self._condensed(at.odometry, inside, [*across, closures])
+        )
         system.add_calibration_prior(at.prior, self._sigmas)
-        system.add(at.odometry._replace(by_calibration=None))
-        for blocks in (at.turns, at.axes):
-            faded = geman_mcclure(blocks.chi2(), self._turn_cutoff)
-            system.add(with_calibration(blocks, at.carried), faded)
-        system.add(with_calibration(at.closures.among(heard), at.carried), weights[heard])
+        for blocks in across:
+            system.add(blocks)
+        system.add(closures.weighted(weights[heard]))
         return system
+
+    def _condensed(self, odometry: Blocks, inside: list[Blocks], across: list[Blocks]) -> Condensed | None:
+        """Return the chain without the nodes that nothing but their neighbours on it sees."""
+        if not len(self._pairs):
+            return None
+        seen = np.zeros(len(self.problem.poses), bool)
+        seen[self.problem.anchor] = True
+        for blocks in across:
+            seen[blocks.i] = seen[blocks.j] = True
+        return condense(self._order, odometry, inside, seen[self._order])
 
     def step(self, state: State, at: Linearised, weights: FloatArray) -> tuple[State, Linearised, float]:
         """Return the state after a Gauss-Newton step, halved while that is worse, and its largest move."""
