@@ -2,7 +2,18 @@
 
 from __future__ import annotations
 
-from topomap.study.studies import conditions, images, moments, positions, ring
+from topomap.study.studies import (
+    conditions,
+    images,
+    masks_score,
+    moments,
+    moved,
+    occlusion,
+    positions,
+    ring,
+    routes,
+    stationary,
+)
 from topomap.study.studies.study import Finding, Lab, Study
 
 LAB, ORIGINAL = ("ourlab",), ("a1original",)
@@ -32,6 +43,13 @@ STUDIES: dict[str, Study] = {
         Study("daylight", "5.44, 5.45", "does the hour of the day matter?", ORIGINAL, conditions.daylight),
         Study("tilt", "(tilt)", "how much tilt does each method bear?", ORIGINAL, conditions.tilt),
         Study("gain", "(exposure)", "how much gain does each method bear?", ORIGINAL, conditions.gain),
+        Study("score-histogram", "4.23, 4.27", "what do mask scores say?", LAB + ORIGINAL, masks_score.score_histogram),
+        Study("four-routes", "5.12-5.17", "which model homes by colour alone?", (), routes.four_routes),
+        Study(
+            "stationary-points", "5.34", "do two points spare a full search?", ORIGINAL, stationary.stationary_points
+        ),
+        Study("occlusion", "3.34", "does homing bear hidden objects?", (), occlusion.occlusion),
+        Study("moved-objects", "3.35, 3.36", "does homing bear moved objects?", (), moved.moved_objects),
         Study("delv", "5.33", "which DELV, how fine its distances?", ORIGINAL, images.delv),
     )
 }

@@ -6,11 +6,13 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
+import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from topomap.geometry import FloatArray
 from topomap.study import figures_style as style
-from topomap.study.homing_arena import Point, Recipe
+from topomap.study.homing_arena import Arena, Point, Recipe
 from topomap.study.homing_bench import BenchSettings, Row, Table, bench
 from topomap.study.homing_contestant import Contestant
 from topomap.study.homing_pool import Workers
@@ -41,8 +43,13 @@ class Lab:
         options: tuple[str, ...] = (),
     ) -> Table:
         """Return the homing table of contestants in an environment, over the grid only. Raises DataError."""
-        settings = BenchSettings(starts=0)
-        return bench(self.recipes(environment, options), home, contestants, settings, self.workers, self.advance)[0]
+        return self.measured(self.recipes(environment, options), contestants, home)
+
+    def measured(
+        self, recipes: Sequence[Recipe], contestants: Sequence[Contestant], home: Point | None = None
+    ) -> Table:
+        """Return the homing table of contestants over recipes of one environment, over the grid only."""
+        return bench(recipes, home, contestants, BenchSettings(starts=0), self.workers, self.advance)[0]
 
     def rows(
         self, environment: str, contestants: Sequence[Contestant], options: tuple[str, ...] = ()
@@ -98,6 +105,15 @@ def curves_finding(title: str, x_label: str, y_label: str, curves: Sequence[Curv
     figure = style.canvas(7.2, 4.2)
     axes = figure.add_subplot()
     style.dress(axes, title, x_label, y_label)
+    draw_curves(axes, curves)
+    if log:
+        axes.set_xscale("log")
+    style.legend_below(figure, axes, min(len(curves), 3))
+    return Finding(figure, curve_values(curves))
+
+
+def draw_curves(axes: Axes, curves: Sequence[Curve]) -> None:
+    """Draw curves from zero up, each in its colour and shape, with their intervals."""
     for curve, colour, shape in zip(curves, COLOURS, SHAPES, strict=False):
         spread = [[y - a for y, a in zip(curve.y, curve.low, strict=True)],
                   [b - y for y, b in zip(curve.y, curve.high, strict=True)]]  # fmt: skip
@@ -105,30 +121,46 @@ def curves_finding(title: str, x_label: str, y_label: str, curves: Sequence[Curv
             curve.x, curve.y, spread, fmt=f"{shape}-", color=colour, markersize=5, linewidth=1.4, capsize=2.5,
             elinewidth=0.9, label=curve.label,
         )  # fmt: skip
-    if log:
-        axes.set_xscale("log")
     axes.set_ylim(bottom=0.0)
-    style.legend_below(figure, axes, min(len(curves), 3))
-    return Finding(figure, {curve.label: _plain(curve) for curve in curves})
+
+
+def curve_values(curves: Sequence[Curve]) -> dict[str, JsonValue]:
+    """Return curves as plain JSON values by their labels."""
+    return {curve.label: _plain(curve) for curve in curves}
 
 
 def bars_finding(title: str, rows: Mapping[str, Row]) -> Finding:
     """Return mean errors with 95 % intervals and the shares below 45 degrees as bars."""
     known = {name: row for name, row in rows.items() if row.mean is not None}
     figure = style.canvas(7.2, 1.4 + 0.36 * max(len(known), 1))
-    axes = figure.add_subplot()
+    draw_bars(figure.add_subplot(), title, known)
+    return Finding(figure, {name: row_values(row) for name, row in known.items()})
+
+
+def draw_bars(axes: Axes, title: str, rows: Mapping[str, Row]) -> None:
+    """Draw mean errors with 95 % intervals and the shares below 45 degrees as bars, the first row on top."""
     style.dress(axes, title, "mean angular error with 95 % interval [deg]")
-    for k, row in enumerate(known.values()):
+    for k, row in enumerate(rows.values()):
         mean, good = row.mean, row.below_45
         if mean is None or good is None:
             continue
         axes.barh(k, mean.value, 0.62, color=COLOURS[0], xerr=[[mean.value - mean.low], [mean.high - mean.value]],
                   error_kw={"elinewidth": 1.0, "capsize": 2.5})  # fmt: skip
         axes.text(mean.high, k, f"  {mean.value:.1f}°, {100 * good.value:.0f} % below 45°", va="center", fontsize=8.5)
-    axes.set_yticks(range(len(known)), list(known))
+    axes.set_yticks(range(len(rows)), list(rows))
     axes.invert_yaxis()
-    axes.set_xlim(0.0, 1.45 * max((row.mean.high for row in known.values() if row.mean), default=1.0))
-    return Finding(figure, {name: _figures(row) for name, row in known.items()})
+    axes.set_xlim(0.0, 1.45 * max((row.mean.high for row in rows.values() if row.mean), default=1.0))
+
+
+def away_from_home(arena: Arena) -> FloatArray:
+    """Return the distance (N,) [m] of an arena's positions from its home."""
+    return np.asarray(np.hypot(*(arena.positions - np.asarray(arena.home)).T), np.float64)
+
+
+def near_and_far(arena: Arena) -> dict[str, int]:
+    """Return the grid position nearest to home, but not home itself, and the one farthest from it."""
+    away = away_from_home(arena)
+    return {"near": int(np.where(away > 1e-9, away, np.inf).argmin()), "far": int(away.argmax())}
 
 
 def binned(values: FloatArray, by: FloatArray, edges: Sequence[float]) -> list[FloatArray]:
@@ -136,7 +168,8 @@ def binned(values: FloatArray, by: FloatArray, edges: Sequence[float]) -> list[F
     return [values[(by >= a) & (by < b)] for a, b in pairwise(edges)]
 
 
-def _figures(row: Row) -> dict[str, JsonValue]:
+def row_values(row: Row) -> dict[str, JsonValue]:
+    """Return a row's figures as plain JSON values, none for a method that doesn't fit."""
     if row.mean is None or row.below_45 is None or row.catchment is None:
         return {}
     return {

@@ -101,7 +101,7 @@ class DynamicWarping:
         first = start * TAU / goal.fine.shape[1] + goal.first_bearing
         _, mirrored = self._matched(current.fine, np.ascontiguousarray(goal.fine[:, ::-1]), start)
         relative = cost / mirrored if mirrored > 1e-9 else 1.0
-        return Match(_home(pairs, first, relative), relative)
+        return Match(matched_home(pairs[0] + first, pairs[1] + first, relative), relative)
 
     def _matched(self, current: Float32Array, goal: Float32Array, start: int) -> tuple[FloatArray, float]:
         """Return matched goal and current bearings from column `start` on, (2, M) [rad], and the mean cost."""
@@ -130,8 +130,8 @@ def _piece(rings: Float32Array, k: int, half: int) -> Float32Array:
     return np.ascontiguousarray(rings[:, :half] if k == 0 else rings[:, half:])
 
 
-def _home(pairs: FloatArray, first: float, cost: float) -> HomeVector:
-    there, here = pairs + first
+def matched_home(there: FloatArray, here: FloatArray, cost: float) -> HomeVector:
+    """Return the home vector (5.15, 5.16) of matched goal and current bearings (M,) [rad]; cost: as in `Match`."""
     x = float(np.sum(np.cos(here) - np.cos(there))) / len(there)
     y = float(np.sum(np.sin(here) - np.sin(there))) / len(there)
     sure = min(max(1.0 - cost, 0.0), 1.0) if math.hypot(x, y) > 1e-6 else 0.0
