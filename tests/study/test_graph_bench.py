@@ -61,7 +61,7 @@ def test_injected_closures_are_false_and_repeat_with_the_seed() -> None:
     off = np.hypot(error[:, 0], error[:, 1])
     assert off[~good].max() < 0.3
     turned = np.abs(np.angle(np.exp(1j * error[:, 2])))
-    assert ((off[good] > 2.0) | (turned[good] > np.deg2rad(20))).all()
+    assert ((off[good] > 1.0) | (turned[good] > np.deg2rad(20))).all()
 
 
 def test_increments_give_the_edges_back() -> None:

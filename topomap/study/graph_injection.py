@@ -12,9 +12,7 @@ from topomap.study.datasets.g2o import BoolArray, PoseGraph
 
 LARGEST = 1000  # false closures at most
 SHORTEST = 10  # nodes between the ends of a false closure at least
-# not 1 m, a result's definition of false: manhattan's places lie on a lattice of 1 m, where a map that is bent a little
-# makes a claim of the next place true
-FALSE_DISTANCE, FALSE_ROTATION = 2.0, math.radians(20.0)
+FALSE_DISTANCE, FALSE_ROTATION = 1.0, math.radians(20.0)
 MOST_TRUE = 4000
 
 
@@ -42,7 +40,7 @@ def inject(graph: PoseGraph, optimum: FloatArray, share: float, rng: np.random.G
     """Return the graph with false closures; optimum (N, 3): what tells false from true.
 
     The ends of a false closure are drawn evenly among pairs at least 10 nodes apart; it claims the relative pose of a
-    true closure drawn likewise, with that one's covariance, and is drawn again while the optimum lies within 2 m and
+    true closure drawn likewise, with that one's covariance, and is drawn again while the optimum lies within 1 m and
     20 degrees of the claim. True and false stand mixed.
     """
     true, false = counts(len(graph.i), share)
