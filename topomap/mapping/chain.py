@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from topomap.geometry import FloatArray, between
+from topomap.geometry import FloatArray
 from topomap.mapping.odometry import Calibration, IntArray, Preintegrated
 
 
@@ -27,19 +27,33 @@ class Chain:
 
     @staticmethod
     def of(
-        poses: FloatArray, edges: Preintegrated, calibration: Calibration, calibration_covariance: FloatArray
+        poses: FloatArray,
+        edges: Preintegrated,
+        calibration: Calibration,
+        calibration_covariance: FloatArray,
+        head: Chain | None = None,
     ) -> Chain:
-        """Sum up the N - 1 edges between poses (N, 3), which stand in travel order."""
-        carry = _carry(poses)
+        """Sum up the edges between poses (N, 3), which stand in travel order.
+
+        head: the chain of the first nodes, summed up already; then `edges` are those from its last node on.
+        """
+        first = 0 if head is None else len(head.poses) - 1
+        carry = carried_to_origin(poses[first:-1], poses[first + 1 :])
         random = carry @ edges.covariances(calibration) @ carry.transpose(0, 2, 1)
         systematic = carry @ edges.jacobians(calibration)
         steps = np.abs(edges.forward) / calibration.distance_scale
         return Chain(
             poses,
-            np.concatenate([[0.0], np.cumsum(steps)]),
-            _from_zero(random),
-            _from_zero(systematic),
+            _summed(steps, None if head is None else head.travelled),
+            _summed(random, None if head is None else head.random),
+            _summed(systematic, None if head is None else head.systematic),
             calibration_covariance,
+        )
+
+    def head(self, count: int) -> Chain:
+        """Return the chain of the first nodes, as many as count."""
+        return Chain(
+            self.poses[:count], self.travelled[:count], self.random[:count], self.systematic[:count], self.calibration
         )
 
     def covariance(self, i: IntArray, j: IntArray) -> FloatArray:
@@ -54,29 +68,6 @@ class Chain:
         total = total + systematic @ self.calibration @ systematic.transpose(0, 2, 1)
         turn = _rotation(-self.poses[i, 2]) @ _lever(self.poses[j, :2])
         return np.asarray(turn @ total @ turn.transpose(0, 2, 1))
-
-    def covariance_via(self, i: int, j: int, a: IntArray, b: IntArray, closures: FloatArray) -> FloatArray:
-        """Return (3, 3) covariance of `i_from_j` by the best of the direct way and one closure on the way.
-
-        i, j: chain positions; a, b (n,): the closures' ends; closures (n, 3, 3): their covariances. Errors
-        along the way are taken as independent.
-        """
-        n = len(a)
-        first, last = np.concatenate([a, b]), np.concatenate([b, a])
-        here, there = np.full(2 * n, i), np.full(2 * n, j)
-        to_first = between(self.poses[here], self.poses[first])
-        to_last = between(self.poses[here], self.poses[last])
-        start = self.covariance(here, first)
-        middle = composed_covariance(
-            to_first,
-            start,
-            between(self.poses[first], self.poses[last]),
-            np.concatenate([closures, closures]),
-        )
-        onward = between(self.poses[last], self.poses[there])
-        ways = composed_covariance(to_last, middle, onward, self.covariance(last, there))
-        ways = np.concatenate([self.covariance(np.array([i]), np.array([j])), ways])
-        return np.asarray(ways[int(np.argmin(ways[:, 0, 0] + ways[:, 1, 1]))])
 
     def path(self, i: IntArray, j: IntArray) -> FloatArray:
         """Return (n,) the path lengths [m] between chain positions."""
@@ -99,13 +90,15 @@ def _lever(points: FloatArray) -> FloatArray:
     return matrix
 
 
-def _carry(poses: FloatArray) -> FloatArray:
-    """Return (N - 1, 3, 3) that carry an edge's error to the origin of the map frame."""
-    return _lever(-poses[1:, :2]) @ _rotation(poses[:-1, 2])
+def carried_to_origin(start: FloatArray, end: FloatArray) -> FloatArray:
+    """Return (n, 3, 3) that carry errors of `start_from_end`, poses (n, 3), to the origin of the map frame."""
+    return _lever(-end[:, :2]) @ _rotation(start[:, 2])
 
 
-def _from_zero(steps: FloatArray) -> FloatArray:
-    return np.concatenate([np.zeros((1, 3, 3)), np.cumsum(steps, axis=0)])
+def _summed(steps: FloatArray, before: FloatArray | None) -> FloatArray:
+    """Return the sums of steps (n, ...) from zero, or from the last of those before."""
+    head = np.zeros((1, *steps.shape[1:])) if before is None else before
+    return np.concatenate([head, head[-1] + np.cumsum(steps, axis=0)])
 
 
 def composed_covariance(a: FloatArray, a_covariance: FloatArray, b: FloatArray, b_covariance: FloatArray) -> FloatArray:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from bisect import bisect_left
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
@@ -95,7 +96,7 @@ class TopoMap:
 
     def insert(self, stamp_ns: int) -> int:
         """Return the node at a stamp, splitting the odometry edge it lies on if there is none yet."""
-        place = int(np.searchsorted([self.nodes[n].stamp_ns for n in self.chain], stamp_ns))
+        place = bisect_left(self.chain, stamp_ns, key=lambda node: self.nodes[node].stamp_ns)
         if self.nodes[self.chain[place]].stamp_ns == stamp_ns:
             return self.chain[place]
         a, b = self.chain[place - 1], self.chain[place]
@@ -120,6 +121,10 @@ class TopoMap:
         """Yield (a, b, increments) along the chain."""
         for a, b in pairwise(self.chain):
             yield a, b, self._increments[a, b]
+
+    def edges_from(self, place: int) -> list[Increments]:
+        """Return the increments of the odometry edges from a place in the chain on."""
+        return [self._increments[pair] for pair in pairwise(self.chain[place:])]
 
     def way(self, a: int, b: int) -> Increments:
         """Return the increments from node a to node b, which comes later on the chain and not long before its end."""
