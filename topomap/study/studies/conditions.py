@@ -16,6 +16,7 @@ def daylight(lab: Lab) -> Finding:
     hours = (6.0, 10.0, 14.0, 20.0, 24.0)
     found = _over(lab, hours, [(f"hour={hour:g}", "goal:hour=14") for hour in hours], "Hour of the day", "hour")
     found.figure.axes[0].axvline(14.0, color="#C4C4C4", linewidth=1.0, zorder=1)
+    found.figure.axes[0].set_xticks(hours)
     return found
 
 

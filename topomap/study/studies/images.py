@@ -41,7 +41,7 @@ def mask_repetition(lab: Lab) -> Finding:
 
 def bipolar(lab: Lab) -> Finding:
     """Levels, mask size and the share of masks kept (4.18-4.22)."""
-    variants: list[Contestant] = [Pairwise(f"{n} levels", BipolarMasks(levels=n)) for n in (1, 2, 3)]
+    variants: list[Contestant] = [Pairwise(f"levels {n}", BipolarMasks(levels=n)) for n in (1, 2, 3)]
     variants += [Pairwise(f"mask {d:g} deg", BipolarMasks(mask=math.radians(d))) for d in (2.0, 4.0, 8.0, 16.0)]
     variants += [Pairwise(f"keep {100 * k:.0f} %", BipolarMasks(kept=k)) for k in (0.1, 0.2, 0.4, 0.7, 1.0)]
     rows = lab.rows(ROOM, variants)

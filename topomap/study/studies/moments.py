@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import math
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 
@@ -12,14 +12,19 @@ from topomap.geometry import FloatArray
 from topomap.study import figures_style as style
 from topomap.study.homing_contestant import Pairwise, view_at
 from topomap.study.homing_figures import draw_plan
-from topomap.study.studies.study import Curve, Finding, Lab, bars_finding, curves_finding, error_curve
+from topomap.study.studies.study import Curve, Finding, Lab, away_from_home, bars_finding, curves_finding, error_curve
 from topomap.vision.convergence import convergence_point, points
 from topomap.vision.distances import distances
 from topomap.vision.homing.area_centroid import AreaCentroid
 from topomap.vision.homing.convergence_point import ConvergencePoint
 from topomap.vision.homing.moment import Form, Moment
+from topomap.vision.homing.view_vector import ViewVector
 
 ORDERS = (-1.0, 0.5, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 10.0)
+LABELLED = (1.0, 2.0, 4.0, 10.0)
+"""Orders whose points are named beside the farther place; from home they lie too close together."""
+AROUND = 0.25
+"""What is shown around the points [m]."""
 ROOM = "ourlab"
 
 
@@ -35,7 +40,12 @@ def dimension(lab: Lab) -> Finding:
     }
     rows = lab.rows(ROOM, [one for several in variants.values() for one in several])
     curves = [error_curve(label, ORDERS, [rows[one.name] for one in several]) for label, several in variants.items()]
-    return curves_finding(f"Order of the moment, {ROOM}", "order n", "mean angular error [deg]", curves)
+    found = curves_finding(f"Order of the moment, {ROOM}", "order n", "mean angular error [deg]", curves)
+    # from half a degree to the wrong way round
+    found.figure.axes[0].set(yscale="log", ylim=(0.3, 200.0), yticks=(0.5, 1, 2, 5, 10, 20, 50, 100), xticks=ORDERS)
+    found.figure.axes[0].yaxis.set_major_formatter("{x:g}")
+    found.figure.axes[0].xaxis.set_major_formatter("{x:g}")
+    return found
 
 
 def derivative_or_search(lab: Lab) -> Finding:
@@ -66,11 +76,13 @@ def convergence(lab: Lab) -> Finding:
         path = np.array([convergence_point(landmarks, np.ones(len(landmarks)), n) for n in orders]) + place
         axes.plot(path[:, 0], path[:, 1], "o-", color=colour, markersize=4, linewidth=1.0)
         axes.plot(*place, "*", color=colour, markersize=11, markeredgecolor="black", label=f"seen from {_said(place)}")
-        for n, at in zip(orders, path, strict=True):
-            axes.annotate(f"{n:g}", at, xytext=(4, 3), textcoords="offset points", fontsize=8, color=colour)
         found[_said(place)] = path.round(5).tolist()
-    axes.set_aspect("equal")
-    axes.autoscale_view()
+    for n in LABELLED:
+        axes.annotate(f"n={n:g}", found[_said(other)][orders.index(n)], xytext=(5, -11), textcoords="offset points",
+                      fontsize=8, color=style.RED)  # fmt: skip
+    every = np.concatenate([found[_said(place)] for place in (arena.home, other)])
+    low, high = every.min(axis=0) - AROUND, every.max(axis=0) + AROUND
+    axes.set(aspect="equal", xlim=(low[0], high[0]), ylim=(low[1], high[1]))
     style.legend_below(figure, axes, 2)
     return Finding(figure, {"orders": list(orders), "points": found})
 
@@ -78,7 +90,8 @@ def convergence(lab: Lab) -> Finding:
 def potential(lab: Lab) -> Finding:
     """Contours of the moment's potential of order 2 and 4 (3.13)."""
     arena = lab.recipes(ROOM)[0].arena()
-    landmarks = points(distances(view_at(arena.source, arena.home), "range").metres) + arena.home
+    place = arena.at(len(arena.positions) // 4)
+    landmarks = points(distances(view_at(arena.source, place), "range").metres) + place
     low, high = landmarks.min(axis=0), landmarks.max(axis=0)
     x, y = np.meshgrid(np.linspace(low[0], high[0], 70), np.linspace(low[1], high[1], 70))
     figure = style.canvas(9.0, 4.4)
@@ -86,13 +99,11 @@ def potential(lab: Lab) -> Finding:
     for axes, order in zip(figure.subplots(1, 2), (2.0, 4.0), strict=True):
         style.dress(axes, f"n = {order:g}", "x [m]", "y [m]")
         values = _potential(landmarks, np.stack([x, y], axis=-1), order)
-        axes.contour(
-            x, y, values / values.min(), levels=1.0 + 0.15 * np.arange(1, 12) ** 1.5, cmap="viridis_r", linewidths=1.0
-        )
+        axes.contour(x, y, values ** (1.0 / order), levels=14, cmap="viridis_r", linewidths=1.0)
         draw_plan(axes, arena.plan)
-        at = convergence_point(landmarks - arena.home, np.ones(len(landmarks)), order) + arena.home
+        at = convergence_point(landmarks - place, np.ones(len(landmarks)), order) + place
+        axes.plot(*place, "*", color="#FFD400", markersize=12, markeredgecolor="black", label="seen from")
         axes.plot(*at, "o", color=style.RED, markersize=6, label="least potential")
-        axes.plot(*arena.home, "*", color="#FFD400", markersize=12, markeredgecolor="black", label="seen from")
         axes.set_aspect("equal")
         lowest[f"n={order:g}"] = [round(float(v), 5) for v in at]
     style.legend_below(figure, axes, 2)
@@ -121,17 +132,20 @@ def features(lab: Lab) -> Finding:
 
 
 def vector_length(lab: Lab) -> Finding:
-    """The length of metric home vectors over the true distance (4.34)."""
+    """The length of home vectors in metres over the true distance (4.34)."""
     arena = lab.recipes(ROOM)[0].arena()
-    goal = view_at(arena.source, arena.home)
-    metric: dict[str, HomingMethod[Any]] = {"area centroid": AreaCentroid(), "convergence point": ConvergencePoint()}
-    away = np.hypot(*(arena.positions - np.asarray(arena.home)).T)
+    # the lengths are asked for even where a method vouches for its bearing only
+    asked: dict[str, HomingMethod[ViewVector]] = {
+        "area centroid": AreaCentroid(), "convergence point": ConvergencePoint(),
+        "moment's centroid": Moment(form="centroid", feature="equal"),
+    }  # fmt: skip
+    away = away_from_home(arena)
     edges = np.arange(0.1, float(away.max()) + 0.4, 0.3)
     curves = []
-    for label, method in metric.items():
-        described = method.describe(goal)
-        views = (view_at(arena.source, arena.at(i)) for i in range(len(arena.positions)))
-        lengths = np.array([method.home(method.describe(seen), described).distance or 0.0 for seen in views])
+    for label, method in asked.items():
+        goal = method.describe(view_at(arena.source, arena.home))
+        seen = (method.describe(view_at(arena.source, arena.at(i))) for i in range(len(away)))
+        lengths = np.array([math.hypot(view.x - goal.x, view.y - goal.y) for view in seen])
         curves.append(_length_curve(label, lengths, away, edges))
     return curves_finding(f"Length of the home vector, {arena.name}", "true distance [m]", "length found [m]", curves)
 

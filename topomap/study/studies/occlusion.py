@@ -16,7 +16,7 @@ from topomap.study.homing_contestant import Contestant, Pairwise, contestant
 from topomap.study.homing_figures import vector_map
 from topomap.study.homing_statistics import angular_errors, mean_interval
 from topomap.study.studies.pillars import Pillar, Room, painted, room_arena, room_recipe
-from topomap.study.studies.study import Curve, Finding, Lab, curve_values, draw_curves
+from topomap.study.studies.study import Curve, Finding, Lab, curve_values, draw_groups
 from topomap.vision.homing.moment import Moment
 
 CANS, CAN, WALL = 5, 0.22, 4.0
@@ -47,11 +47,7 @@ def occlusion(lab: Lab) -> Finding:
         axes.set_title(f"{name}, seed {lab.seeds[0]}", fontsize=9.5, loc="left")
     style.dress(panels[-1], f"inside, around and outside of the hull of {CANS} objects", "",
                 "mean angular error [deg]")  # fmt: skip
-    draw_curves(panels[-1], curves)
-    for line in panels[-1].get_lines():
-        line.set_linestyle("")
-    panels[-1].set_xticks(range(len(ZONES)), ZONES)
-    panels[-1].set_xlim(-0.4, len(ZONES) - 0.6)
+    draw_groups(panels[-1], ZONES, curves)
     style.legend_below(figure, panels[-1], len(curves))
     return Finding(figure, {"zones": list(ZONES), **curve_values(curves)})
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from topomap.geometry import FloatArray, wrap_all
+from topomap.study import figures_style as style
 from topomap.study.homing_arena import Point, bearings_home
 from topomap.study.homing_contestant import contestant
 from topomap.study.homing_field import Turns, TurnsTask
 from topomap.study.homing_statistics import angular_errors, mean_interval
-from topomap.study.studies.study import Curve, Finding, Lab, binned, curves_finding
+from topomap.study.studies.study import Curve, Finding, Lab, binned, curve_values, curves_finding, draw_groups
 from topomap.vision.alignment import ALIGNERS
 
 ROOM = "a1original"
@@ -60,12 +61,12 @@ def homes(lab: Lab) -> Finding:
             Curve(method, list(range(len(means))), [m.value for m in means], [m.low for m in means],
                   [m.high for m in means])
         )  # fmt: skip
-    found = curves_finding(f"Home positions, {ROOM}", "home", "mean angular error [deg]", curves)
-    axes = found.figure.axes[0]
-    axes.set_xticks(range(len(places)), [f"{name}\n{x:.1f}, {y:.1f} m" for name, (x, y) in places.items()])
-    for line in axes.get_lines():
-        line.set_linestyle("")
-    return found
+    figure = style.canvas(7.2, 4.2)
+    axes = figure.add_subplot()
+    style.dress(axes, f"Home positions, {ROOM}", "home", "mean angular error [deg]")
+    draw_groups(axes, [f"{name}\n{x:.1f}, {y:.1f} m" for name, (x, y) in places.items()], curves)
+    style.legend_below(figure, axes, 3)
+    return Finding(figure, curve_values(curves))
 
 
 def _over_distance(label: str, values: FloatArray, away: FloatArray) -> Curve:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -122,6 +122,17 @@ def draw_curves(axes: Axes, curves: Sequence[Curve]) -> None:
             elinewidth=0.9, label=curve.label,
         )  # fmt: skip
     axes.set_ylim(bottom=0.0)
+
+
+def draw_groups(axes: Axes, names: Sequence[str], curves: Sequence[Curve]) -> None:
+    """Draw curves over named groups 0, 1, .. as points side by side."""
+    middle, gap = (len(curves) - 1) / 2, 0.6 / max(len(curves), 1)
+    beside = [replace(curve, x=[x + gap * (k - middle) for x in curve.x]) for k, curve in enumerate(curves)]
+    draw_curves(axes, beside)
+    for line in axes.get_lines():
+        line.set_linestyle("")
+    axes.set_xticks(range(len(names)), names)
+    axes.set_xlim(-0.5, len(names) - 0.5)
 
 
 def curve_values(curves: Sequence[Curve]) -> dict[str, JsonValue]:
