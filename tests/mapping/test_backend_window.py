@@ -9,27 +9,41 @@ import pytest
 from ring import ring
 
 from topomap.errors import TopomapError
-from topomap.geometry import wrap_all
-from topomap.mapping.backend import AxisEdge, Closures, Problem, TurnEdge, solve, solve_recent
+from topomap.geometry import compose, wrap_all
+from topomap.mapping.backend import AxisEdge, Closures, Problem, Recent, TurnEdge, solve, solve_recent
+
+
+def recent(problem: Problem, edges: int) -> Recent:
+    return solve_recent(problem.poses, problem.odometry[-edges:], problem.closures, problem.turns, problem.calibration)
 
 
 def test_recent_solve_moves_only_the_newest_nodes() -> None:
-    problem = ring(0, nodes=80, length=80, closures=10).problem
-    covariance = np.diag([1e-4, 1e-6, 1e-4])
-    held = replace(
-        problem, turns=(TurnEdge(70, 71, float(problem.poses[71, 2] - problem.poses[70, 2]) + 0.015, 0.007),)
-    )
-    found = solve_recent(held, 20, covariance)
-    assert found.improved
-    assert np.array_equal(found.poses[:60], problem.poses[:60])
-    turned = wrap_all(found.poses[71:, 2] - problem.poses[71:, 2])
-    assert turned.mean() > 0.003
-    assert len(found.closure_weights) == len(problem.closures)
+    problem = ring(0, nodes=80, length=80, closures=0).problem
+    turned = TurnEdge(70, 71, float(problem.poses[71, 2] - problem.poses[70, 2]) + 0.015, 0.007)
+    found = recent(replace(problem, turns=(turned,)), 20)
+    assert found.solution.improved
+    assert found.nodes.tolist() == list(range(60, 81))
+    moved = wrap_all(found.solution.poses[:, 2] - problem.poses[found.nodes, 2])
+    assert moved[0] == 0.0
+    assert moved[11:].mean() > 0.003
+    assert np.allclose(found.solution.calibration.vector(), problem.calibration.vector(), atol=1e-6)
 
 
-def test_recent_solve_of_everything_is_the_full_one() -> None:
-    problem = ring(0, nodes=40, length=40, closures=5).problem
-    assert np.array_equal(solve_recent(problem, 99, np.eye(3)).poses, solve(problem).poses)
+@pytest.mark.parametrize("blind", [False, True])
+def test_a_closure_to_an_older_node_pulls_the_newest_stretch_to_where_that_stands(blind: bool) -> None:
+    """The node it names should lie 0.2 m ahead and 0.1 m left of the old one, in the old one's frame."""
+    problem = ring(0, nodes=80, length=80, closures=0).problem
+    spread = np.diag([1e-6, 1e-6, 40.0 if blind else 1e-6])
+    claim = np.array([0.2, 0.1, 0.3])
+    edge = Closures(np.array([5]), np.array([80]), claim[None], spread[None], np.ones(1))
+    there = compose(problem.poses[5], claim)
+    start = problem.poses.copy()
+    start[40:] += there - start[80] + np.array([0.3, -0.2, 0.0])  # off by less than what odometry allows
+    found = recent(replace(problem, poses=start, closures=edge), 39)
+    assert found.heard.tolist() == [0]
+    assert np.allclose(found.solution.poses[-1, :2], there[:2], atol=0.02)
+    if not blind:
+        assert abs(wrap_all(found.solution.poses[-1:, 2] - there[2])[0]) < 0.01
 
 
 def test_a_long_chain_with_fading_closures_ends_clearly() -> None:

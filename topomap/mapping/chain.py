@@ -108,3 +108,9 @@ def composed_covariance(a: FloatArray, a_covariance: FloatArray, b: FloatArray, 
     lever = _lever(ahead)
     first = lever @ a_covariance @ lever.transpose(0, 2, 1)
     return np.asarray(first + rotation @ b_covariance @ rotation.transpose(0, 2, 1))
+
+
+def turned_by(angles: FloatArray, covariance: FloatArray) -> FloatArray:
+    """Return covariances (n, 3, 3) in axes turned by angles (n,) [rad]."""
+    rotation = _rotation(angles)
+    return np.asarray(rotation @ covariance @ rotation.transpose(0, 2, 1))

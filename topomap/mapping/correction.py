@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from pydantic import BaseModel, Field
 
@@ -13,8 +15,10 @@ from topomap.mapping.backend import (
     Closures,
     OdometryEdge,
     Problem,
+    Slices,
     Solution,
-    solve,
+    solve_recent,
+    solving,
 )
 from topomap.mapping.backend.problem import PRIOR_SIGMAS
 from topomap.mapping.calibration import calibration_state
@@ -35,10 +39,19 @@ class CorrectionSettings(BaseModel, frozen=True, extra="forbid"):
     neighbours: NeighbourSettings = Field(default_factory=NeighbourSettings)
     every: int = Field(10, ge=1, description="nodes after which the map is solved though nothing surprising happened")
     surprise: float = Field(1.0, ge=0, description="a closure further off than this is solved at once [sigmas]")
+    large: int = Field(500, ge=1, description="nodes and closures from which on a map is solved bit by bit")
+    alarm: float = Field(2.0, ge=0, description="in a large map, a closure further off than this asks for all [sigmas]")
+    growth: float = Field(0.05, gt=0, description="share by which a large map grows between two solves of all")
+    stretch: int = Field(200, ge=2, description="odometry edges that are solved in between in a large map")
 
 
 class Correction:
-    """Collects the evidence on the odometry's errors and solves for poses and calibration."""
+    """Collects the evidence on the odometry's errors and solves for poses and calibration.
+
+    A small map is solved whole, within a step. Of a large one the newest stretch is; the whole is solved one
+    Gauss-Newton step a step, when it has grown by a share or a closure says something new, and the result applied then:
+    after a number of steps that depends on the map alone, so that a replay does the same.
+    """
 
     def __init__(self, settings: CorrectionSettings, aligner: Aligner, topo: TopoMap) -> None:
         self._s = settings
@@ -46,30 +59,92 @@ class Correction:
         self.neighbours = Neighbours(settings.neighbours, aligner, topo)
         self._closures: list[tuple[ClosureEdge, Candidate]] = []
         self._covariance = np.diag(np.square(PRIOR_SIGMAS))
-        self._solved_nodes = 0
+        self._running: Slices[Solution] | None = None
+        self._solved_nodes = self._whole_nodes = 0
+        self._heard = 0
         self.solves = 0
-        self._surprised = False
+        self._surprise = 0.0
 
-    @property
-    def due(self) -> bool:
-        """Whether a closure told something new, or enough nodes have come since the last solve."""
-        return self._surprised or len(self._map.nodes) - self._solved_nodes >= self._s.every
+    def update(self, stamp_ns: int, ledger: Ledger) -> tuple[bool, list[Decision]]:
+        """Solve what is due; return whether the map was moved and which verdicts changed."""
+        if self._running is None and self._whole_due:
+            self._start()
+        if self._running is not None:
+            return self._advance(stamp_ns, ledger)
+        if self._stretch_due:
+            return self._solve_stretch(stamp_ns, ledger)
+        return False, []
 
     def believe(self, edge: ClosureEdge, candidate: Candidate) -> None:
         """Put an accepted closure before the back end, from the next solve on."""
         self._closures.append((edge, candidate))
-        self._surprised = self._surprised or candidate.scores["sigmas"] > self._s.surprise
+        self._surprise = max(self._surprise, candidate.scores["sigmas"])
 
     def solve(self, stamp_ns: int, ledger: Ledger) -> tuple[bool, list[Decision]]:
-        """Ask the back end; apply a better result; return whether there was one and which verdicts it changed."""
-        self._solved_nodes, self.solves = len(self._map.nodes), self.solves + 1
-        self._surprised = False
-        solution = solve(self._problem(), self._s.backend)
+        """Solve the whole map now; return whether it was moved and which verdicts changed."""
+        self._start()
+        found = None
+        while self._running is not None:
+            found = self._advance(stamp_ns, ledger)
+        assert found is not None
+        return found
+
+    @property
+    def _large(self) -> bool:
+        return len(self._map.nodes) + len(self._closures) > self._s.large
+
+    @property
+    def _whole_due(self) -> bool:
+        nodes = len(self._map.nodes)
+        if not self._large:
+            return self._surprise > self._s.surprise or nodes - self._solved_nodes >= self._s.every
+        return self._surprise > self._s.alarm or nodes > (1 + self._s.growth) * self._whole_nodes
+
+    @property
+    def _stretch_due(self) -> bool:
+        new = len(self._map.nodes) - self._solved_nodes
+        return self._large and (new >= self._s.every or self._surprise > self._s.surprise)
+
+    def _start(self) -> None:
+        self._solved_nodes = self._whole_nodes = len(self._map.nodes)
+        self._surprise, self._heard = 0.0, len(self._closures)
+        self._running = solving(self._problem(), self._s.backend)
+
+    def _advance(self, stamp_ns: int, ledger: Ledger) -> tuple[bool, list[Decision]]:
+        """Do one slice of a large map's solve, or all of a small one's; apply a better result at the end."""
+        assert self._running is not None
+        try:
+            next(self._running)
+            while not self._large:
+                next(self._running)
+        except StopIteration as end:
+            self._running = None
+            return self._apply(stamp_ns, ledger, end.value)
+        return False, []
+
+    def _apply(self, stamp_ns: int, ledger: Ledger, solution: Solution) -> tuple[bool, list[Decision]]:
+        self.solves += 1
         self._covariance = self._honest(solution.calibration_covariance)
         if not solution.improved:
             return False, []
         self._map.move(solution.poses, solution.calibration)
-        return True, self._review(stamp_ns, ledger, solution)
+        return True, self._review(stamp_ns, ledger, range(self._heard), solution.closure_weights)
+
+    def _solve_stretch(self, stamp_ns: int, ledger: Ledger) -> tuple[bool, list[Decision]]:
+        self.solves += 1
+        self._solved_nodes, self._surprise = len(self._map.nodes), 0.0
+        edges = [OdometryEdge(*e) for e in self._map.edges_from(max(0, len(self._map.chain) - 1 - self._s.stretch))]
+        ends = {edge.j for edge in edges}
+        new = [k for k, (edge, _) in enumerate(self._closures) if edge.j in ends]
+        closures = Closures.of([self._closures[k][0] for k in new])
+        turns = self.neighbours.turns[-self._s.stretch :]
+        found = solve_recent(self._map.poses, edges, closures, turns, self._map.calibration, self._s.backend)
+        if not found.solution.improved:
+            return False, []
+        self._map.shift(found.nodes, found.solution.poses)
+        return True, self._review(
+            stamp_ns, ledger, [new[k] for k in found.heard.tolist()], found.solution.closure_weights
+        )
 
     @property
     def covariance(self) -> FloatArray:
@@ -103,11 +178,13 @@ class Correction:
         honest[2, 2] = PRIOR_SIGMAS[2] ** 2
         return honest
 
-    def _review(self, stamp_ns: int, ledger: Ledger, solution: Solution) -> list[Decision]:
-        """Withdraw what the solution disbelieves and take back what it believes again; each stays for later solves."""
+    def _review(self, stamp_ns: int, ledger: Ledger, heard: Sequence[int], weights: FloatArray) -> list[Decision]:
+        """Withdraw what a solution disbelieves and take back what it believes again; each stays for later solves."""
         changed = []
-        for (edge, candidate), weight in zip(self._closures, solution.closure_weights.tolist(), strict=True):
-            standing = edge in self._map.closures
+        on_map = {(c.i, c.j) for c in self._map.closures}
+        for k, weight in zip(heard, weights.tolist(), strict=True):
+            edge, candidate = self._closures[k]
+            standing = (edge.i, edge.j) in on_map
             if weight < 0.5 and standing:
                 self._map.open(edge)
                 reason = "the back end can't fit it beside the other evidence"

@@ -113,18 +113,29 @@ class TopoMap:
         self.graph.remove_edge(edge.i, edge.j)
 
     def move(self, poses: FloatArray, calibration: Calibration) -> None:
-        """Set all poses (N, 3) and the calibration: what a solution does."""
-        self.poses[:] = poses
+        """Set the poses (n, 3) of the first nodes and the calibration: what a solution does.
+
+        Nodes that came since lie after them on the chain, or between them, as odometry has it.
+        """
+        self.poses[: len(poses)] = poses
         self.calibration = calibration
+        for before, node in pairwise(self.chain):
+            if node >= len(poses):
+                delta, _, _ = integrate(self._increments[before, node], calibration)
+                self.poses[node] = compose(self.poses[before], delta)
+
+    def shift(self, nodes: IntArray, poses: FloatArray) -> None:
+        """Set the poses (n, 3) of some nodes (n,)."""
+        self.poses[nodes] = poses
 
     def odometry_edges(self) -> Iterator[tuple[int, int, Increments]]:
         """Yield (a, b, increments) along the chain."""
-        for a, b in pairwise(self.chain):
-            yield a, b, self._increments[a, b]
+        return self.edges_from(0)
 
-    def edges_from(self, place: int) -> list[Increments]:
-        """Return the increments of the odometry edges from a place in the chain on."""
-        return [self._increments[pair] for pair in pairwise(self.chain[place:])]
+    def edges_from(self, place: int) -> Iterator[tuple[int, int, Increments]]:
+        """Yield (a, b, increments) along the chain from a place in it on."""
+        for a, b in pairwise(self.chain[place:]):
+            yield a, b, self._increments[a, b]
 
     def way(self, a: int, b: int) -> Increments:
         """Return the increments from node a to node b, which comes later on the chain and not long before its end."""

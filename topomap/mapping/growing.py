@@ -24,7 +24,8 @@ class GrowingChain:
         nodes = np.array(self._map.chain, np.int64)
         poses = self._map.poses[nodes]
         same = self._unchanged(nodes, poses)
-        edges = EdgeIncrements.of(self._map.edges_from(max(same - 1, 0))).integrate(self._map.calibration)
+        new = [increments for _, _, increments in self._map.edges_from(max(same - 1, 0))]
+        edges = EdgeIncrements.of(new).integrate(self._map.calibration)
         head = None if self._chain is None or not same else self._chain.head(same)
         self._chain = Chain.of(poses, edges, self._map.calibration, covariance, head)
         self._nodes, self._calibration = nodes, self._map.calibration

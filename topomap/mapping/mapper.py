@@ -116,9 +116,7 @@ class Mapper:
         return place, self._closing.judge(stamp_ns, self._recognition.proposal())
 
     def _correct(self, stamp_ns: int) -> tuple[bool, list[Decision]]:
-        if not self.correction.due:
-            return False, []
-        solved, reviewed = self.correction.solve(stamp_ns, self.ledger)
+        solved, reviewed = self.correction.update(stamp_ns, self.ledger)
         if solved:
             self.survey.restart()
         return solved, reviewed

@@ -2,8 +2,8 @@
 
 from topomap.mapping.backend.problem import AxisEdge, ClosureEdge, Closures, OdometryEdge, Problem, Solution, TurnEdge
 from topomap.mapping.backend.settings import BackendSettings
-from topomap.mapping.backend.solver import solve
-from topomap.mapping.backend.window import solve_recent
+from topomap.mapping.backend.solver import Slices, solve, solving
+from topomap.mapping.backend.window import Recent, solve_recent
 
 __all__ = [
     "AxisEdge",
@@ -12,8 +12,11 @@ __all__ = [
     "Closures",
     "OdometryEdge",
     "Problem",
+    "Recent",
+    "Slices",
     "Solution",
     "TurnEdge",
     "solve",
     "solve_recent",
+    "solving",
 ]

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Generator
+from typing import TypeVar
+
 import numpy as np
 
 from topomap.errors import TopomapError
@@ -10,6 +13,11 @@ from topomap.mapping.backend.problem import Problem, Solution
 from topomap.mapping.backend.schedule import Schedule, Weighing
 from topomap.mapping.backend.settings import BackendSettings
 from topomap.mapping.backend.state import Graph, Linearised, State
+
+T = TypeVar("T")
+Slices = Generator[None, None, T]
+End = tuple[State, Linearised, int]
+"""Where a way ended, and after how many steps."""
 
 
 def solve(problem: Problem, settings: BackendSettings | None = None) -> Solution:
@@ -20,16 +28,28 @@ def solve(problem: Problem, settings: BackendSettings | None = None) -> Solution
     out and those that are in don't support one another: a single one that fits among many that don't fits by chance.
     Raises TopomapError for an undetermined graph.
     """
+    slices = solving(problem, settings)
+    while True:
+        try:
+            next(slices)
+        except StopIteration as end:
+            solution: Solution = end.value
+            return solution
+
+
+def solving(problem: Problem, settings: BackendSettings | None = None) -> Slices[Solution]:
+    """Do what `solve` does, one Gauss-Newton step a slice: whoever has other work meanwhile does it in between."""
     chosen = settings or BackendSettings()
     graph = Graph(problem, chosen.turn_cutoff)
     start = graph.start()
     at_start = graph.linearise(start)
     before = graph.truncated_error(at_start, chosen.cutoff)
-    state, at, iterations = _best(graph, start, at_start, chosen)
+    state, at, iterations = yield from _best(graph, start, at_start, chosen)
     after = graph.truncated_error(at, chosen.cutoff)
     improved = bool(np.isfinite(after) and after < before - 1e-9) and _credible(graph, at, chosen)
     if not improved:
         state, at = start, at_start
+    yield
     weights = inliers(graph, at, chosen.cutoff)
     covariance = graph.system(at, weights).covariance()
     return Solution(state.poses, state.calibration, covariance, weights, before, after, iterations, improved)
@@ -52,52 +72,48 @@ def _chi2(graph: Graph, at: Linearised) -> FloatArray:
     return at.closures.chi2() / np.maximum(graph.problem.closures.weight, 1e-12)
 
 
-def _best(graph: Graph, start: State, at: Linearised, settings: BackendSettings) -> tuple[State, Linearised, int]:
+def _best(graph: Graph, start: State, at: Linearised, settings: BackendSettings) -> Slices[End]:
     """Return the better end of two ways: all that odometry allows, or first those that support one another."""
     if bool(inliers(graph, at, settings.cutoff).all()):
-        return _settle(graph, start, at, settings, 0)
+        return (yield from _settle(graph, start, at, settings, 0))
     schedule = Schedule(graph, settings)
     if settings.cutoffs:
-        return _end(graph, start, at, schedule.narrowing(), settings)
-    first = _end(graph, start, at, schedule.allowed(), settings)
+        return (yield from _end(graph, start, at, schedule.narrowing(), settings))
+    first = yield from _end(graph, start, at, schedule.allowed(), settings)
     supported = schedule.supported()
     if supported is None or bool(inliers(graph, first[1], settings.cutoff).all()):
         return first
-    second = _end(graph, start, at, supported, settings)
+    second = yield from _end(graph, start, at, supported, settings)
     errors = [graph.truncated_error(end[1], settings.cutoff) for end in (first, second)]
     state, there, _ = second if errors[1] < errors[0] else first
     return state, there, first[2] + second[2]
 
 
-def _end(
-    graph: Graph, start: State, at: Linearised, schedule: Weighing, settings: BackendSettings
-) -> tuple[State, Linearised, int]:
+def _end(graph: Graph, start: State, at: Linearised, schedule: Weighing, settings: BackendSettings) -> Slices[End]:
     try:
-        state, there, steps = _anneal(graph, start, at, schedule, settings.cutoff)
-        return _settle(graph, state, there, settings, steps)
+        state, there, steps = yield from _anneal(graph, start, at, schedule, settings.cutoff)
+        return (yield from _settle(graph, state, there, settings, steps))
     except TopomapError:
         # closures faded to almost nothing leave a long chain too soft for double precision: this way leads nowhere.
         # A graph that was never determined is refused later, when its covariance is asked for at the start
         return start, at, 0
 
 
-def _anneal(
-    graph: Graph, state: State, at: Linearised, schedule: Weighing, cutoff: float
-) -> tuple[State, Linearised, int]:
-    """Follow the schedule until every closure fits or it ends; return the number of steps, too."""
+def _anneal(graph: Graph, state: State, at: Linearised, schedule: Weighing, cutoff: float) -> Slices[End]:
+    """Follow the schedule until every closure fits or it ends."""
     steps = 0
     for weigh in schedule:
         if bool(inliers(graph, at, cutoff).all()):
             break
+        yield
         state, at, _ = graph.step(state, at, weigh(state.poses))
         steps += 1
     return state, at, steps
 
 
-def _settle(
-    graph: Graph, state: State, at: Linearised, settings: BackendSettings, done: int
-) -> tuple[State, Linearised, int]:
+def _settle(graph: Graph, state: State, at: Linearised, settings: BackendSettings, done: int) -> Slices[End]:
     for iteration in range(settings.iterations):
+        yield
         state, at, move = graph.step(state, at, inliers(graph, at, settings.cutoff))
         if move < settings.tolerance:
             return state, at, done + iteration + 1

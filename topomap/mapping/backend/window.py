@@ -1,56 +1,82 @@
-"""A bounded solve between two closures: the newest stretch alone, hung on what was solved before."""
+"""A bounded solve between two full ones: the newest stretch alone, hung on what was solved before."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
-from topomap.geometry import FloatArray
-from topomap.mapping.backend.problem import Closures, IntArray, OdometryEdge, Problem, Solution, TurnEdge
+from topomap.geometry import FloatArray, between, compose
+from topomap.mapping.backend.problem import (
+    UNKNOWN_HEADING,
+    Closures,
+    IntArray,
+    OdometryEdge,
+    Problem,
+    Solution,
+    TurnEdge,
+)
 from topomap.mapping.backend.settings import BackendSettings
 from topomap.mapping.backend.solver import solve
+from topomap.mapping.chain import turned_by
+from topomap.mapping.odometry import Calibration
+
+HELD = (1e-6, 1e-6, 1e-6)  # the calibration is left to full solves: heard again and again, a stretch would sway it
+
+
+class Recent(NamedTuple):
+    """What a bounded solve found: nodes (n,), which of the closures were heard (m,), and the solution for these."""
+
+    nodes: IntArray
+    heard: IntArray
+    solution: Solution
 
 
 def solve_recent(
-    problem: Problem, edges: int, calibration_covariance: FloatArray, settings: BackendSettings | None = None
-) -> Solution:
-    """Solve the nodes of the last `edges` odometry edges; the work doesn't grow with the map.
+    poses: FloatArray,
+    odometry: Sequence[OdometryEdge],
+    closures: Closures,
+    turns: Sequence[TurnEdge],
+    calibration: Calibration,
+    settings: BackendSettings | None = None,
+) -> Recent:
+    """Solve the nodes of the newest odometry edges; the work doesn't grow with the map.
 
-    All other poses stay, and the first of these nodes is held. The calibration is held to the problem's own with
-    calibration_covariance (3, 3), what the last full solve left. Closures that reach further back aren't heard: their
-    weights are 1, as a closure asks for a full solve. The solution is the whole map's. Raises TopomapError.
+    poses (N, 3) of the whole map: those of all other nodes stay, and the first of these nodes is held. Closures are
+    heard whose newer end is among these nodes, whether or not the older one is. Raises TopomapError.
     """
-    if edges >= len(problem.odometry):
-        return solve(problem, settings)
-    part, nodes, heard = _tail(problem, edges, calibration_covariance)
-    found = solve(part, settings)
-    poses, weights = problem.poses.copy(), np.ones(len(problem.closures))
-    poses[nodes] = found.poses
-    weights[heard] = found.closure_weights
-    return replace(found, poses=poses, closure_weights=weights)
-
-
-def _tail(problem: Problem, edges: int, covariance: FloatArray) -> tuple[Problem, IntArray, IntArray]:
-    """Return the problem of the newest nodes, those nodes, and which closures lie among them."""
-    odometry = problem.odometry[len(problem.odometry) - edges :]
     nodes = np.array([odometry[0].i, *(edge.j for edge in odometry)], np.int64)
-    place = np.full(len(problem.poses), -1)
+    place = np.full(len(poses), -1)
     place[nodes] = np.arange(len(nodes))
-    closures = problem.closures
-    heard = np.flatnonzero((place[closures.i] >= 0) & (place[closures.j] >= 0))
-    some = closures[heard]
-    part = Problem(
-        problem.poses[nodes],
+    heard = np.flatnonzero(place[closures.j] > 0)
+    problem = Problem(
+        poses[nodes],
         tuple(OdometryEdge(k, k + 1, edge.increments) for k, edge in enumerate(odometry)),
-        Closures(place[some.i], place[some.j], some.relative, some.covariance, some.weight),
+        _hung(poses, int(nodes[0]), place, closures[heard]),
         tuple(
             TurnEdge(int(place[t.i]), int(place[t.j]), t.turn, t.sigma)
-            for t in problem.turns
+            for t in turns
             if place[t.i] >= 0 and place[t.j] >= 0
         ),
-        problem.calibration,
-        problem.calibration,
-        tuple(np.sqrt(np.diag(covariance)).tolist()),
+        calibration,
+        calibration,
+        HELD,
     )
-    return part, nodes, heard
+    return Recent(nodes, heard, solve(problem, settings))
+
+
+def _hung(poses: FloatArray, anchor: int, place: IntArray, closures: Closures) -> Closures:
+    """Return the closures by place; one whose older end stays where it is begins at the anchor, which stays, too."""
+    outside = place[closures.i] < 0
+    old = poses[closures.i[outside]]
+    way = between(np.broadcast_to(poses[anchor], old.shape), old)
+    relative, covariance = closures.relative.copy(), closures.covariance.copy()
+    relative[outside] = compose(way, relative[outside])
+    known = covariance[outside]
+    turned = turned_by(way[:, 2], known)
+    blind = known[:, 2, 2] > UNKNOWN_HEADING
+    turned[blind] = known[blind]  # these are given in the map's axes already
+    covariance[outside] = turned
+    i = np.where(outside, 0, place[closures.i])
+    return Closures(i, place[closures.j], relative, covariance, closures.weight)
