@@ -77,7 +77,7 @@ def blur(lab: Lab) -> Finding:
 
 
 def pixel_number(lab: Lab) -> Finding:
-    """Columns of the ring and RGB against grey, for warping in time (5.30-5.32)."""
+    """Columns of the ring and RGB against grey, for warping in time; (5.31) asks the same of landmark pixels."""
     columns = (45, 90, 180, 360, 720)
     series = {
         label: [Pairwise(f"{label} {n}", DynamicWarping(spec=RingSpec(columns=n, colour=colour))) for n in columns]

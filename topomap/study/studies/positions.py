@@ -1,4 +1,4 @@
-"""Studies on where: distance from home, other homes, alignment over distance (2.16, 2.18, 3.21, 4.21, 5.28, 5.36)."""
+"""Studies on where: distance from home, other homes, alignment (2.16, 2.18, 3.21, 4.21, 4.22, 5.28, 5.36)."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def alignment(lab: Lab) -> Finding:
 
 
 def distance(lab: Lab) -> Finding:
-    """The angular error of the main methods over the distance from home (2.18, 5.32)."""
+    """The angular error of the main methods over the distance from home (4.22 d)."""
     table = lab.table(ROOM, [contestant(name) for name in METHODS])
     curves = []
     for entry in table.entries:

@@ -51,11 +51,15 @@ ARRANGEMENTS: dict[str, tuple[tuple[float, float, float, int], ...]] = {
 
 @dataclass(frozen=True, slots=True)
 class RouteModel:
-    """One of the four fields as a homing method of its own: number 0 .. 3 for M_1 .. M_4 (5.10)."""
+    """One of the four fields as a homing method of its own: number 0 .. 3 for M_1 .. M_4 (5.10).
+
+    selection: only the automatically chosen columns count (H23).
+    """
 
     needs: ClassVar[Needs] = Needs(compass=True)
     claims_homing: ClassVar[bool] = False
     number: int
+    selection: bool = False
 
     def describe(self, panorama: Panorama) -> Panorama:
         """Return the view itself: both views are compared column by column."""
@@ -63,7 +67,7 @@ class RouteModel:
 
     def home(self, current: Panorama, goal: Panorama) -> HomeVector:
         """Return the bearing [rad] the field tells in the aligned frame. Raises ShapeError."""
-        x, y = EVERY_COLUMN.field(current, goal, self.number)
+        x, y = RunDown(selection=self.selection).field(current, goal, self.number)
         return vector_home(x, y, 1.0)
 
 
