@@ -15,7 +15,8 @@ from topomap.mapping.odometry import Calibration, EdgeIncrements
 from topomap.study.datasets.g2o import PoseGraph
 from topomap.study.graph_bench import OURS, averages, bench, to_csv, to_json
 from topomap.study.graph_injection import LARGEST, counts, inject
-from topomap.study.graph_map import map_graph, odometry_edges, odometry_poses
+from topomap.study.graph_map import map_graph
+from topomap.study.graph_odometry import odometry_edges, odometry_poses
 
 LAP = 40
 

@@ -78,7 +78,7 @@ def surprise(
     weight = np.ones(len(i))
     claims = Claims(i, j, relative, np.zeros(len(i), bool), weight)
     a, b = neighbours(claims, chain.travelled, window)
-    gap, spread = _round(relative, covariance, i, j, chain, a, b)
+    gap, spread = loops(relative, covariance, i, j, chain, a, b)
     chi2 = (gap * np.linalg.solve(spread, gap[:, :, None])[:, :, 0]).sum(axis=1)
     ellipsoid = 4 / 3 * math.pi * AGREEING**1.5 * np.sqrt(np.linalg.det(spread))
     chance = np.minimum(1.0, ellipsoid / volume)
@@ -90,10 +90,13 @@ def surprise(
     return found, np.where(found > 0, pdtrc(np.maximum(found - 1, 0), np.maximum(expected, 1e-300)), 1.0)
 
 
-def _round(
+def loops(
     relative: FloatArray, covariance: FloatArray, i: IntArray, j: IntArray, chain: Chain, a: IntArray, b: IntArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return what the loops through closures a and b (P,) miss of closing (P, 3) and its covariance (P, 3, 3)."""
+    """Return what the loops through closures a and b (P,) miss of closing (P, 3) and its covariance (P, 3, 3).
+
+    relative (M, 3) `i_from_j` with covariance (M, 3, 3); i, j (M,): chain positions.
+    """
     along_i = between(chain.poses[i[a]], chain.poses[i[b]])
     along_j = between(chain.poses[j[a]], chain.poses[j[b]])
     one, other = compose(relative[a], along_j), compose(along_i, relative[b])

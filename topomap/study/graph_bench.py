@@ -17,7 +17,8 @@ from topomap.mapping.backend import Closures
 from topomap.mapping.backend.peers import PEERS, optimum
 from topomap.study.datasets.g2o import BoolArray, PoseGraph
 from topomap.study.graph_injection import Injected, inject
-from topomap.study.graph_map import map_graph, odometry_poses
+from topomap.study.graph_map import map_graph
+from topomap.study.graph_odometry import odometry_poses
 from topomap.study.metrics import ate
 
 OURS = "topomap"
