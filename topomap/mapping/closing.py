@@ -103,7 +103,12 @@ class Closing:
             relative,
             self._offset.same_spot,
             max(0.0, 1.0 - cost),
-            scores={"difference": winner.match.difference, "cost": cost, "ratio": outcome.ratio},
+            scores={
+                "difference": winner.match.difference,
+                "limit": proposal.limit,
+                "cost": cost,
+                "ratio": outcome.ratio,
+            },
         )
 
     def _by_odometry(self, stamp_ns: int, candidate: Candidate, open_places: bool) -> list[Decision]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections import deque
 from dataclasses import dataclass
 
@@ -19,7 +20,10 @@ class RecognitionSettings(BaseModel, frozen=True, extra="forbid"):
     """When a place is proposed as seen before."""
 
     min_travel: float = Field(8.0, gt=0, description="way since a node before it can be seen again [m]")
-    threshold: float = Field(0.9, gt=0, description="image difference above which nothing is proposed")
+    threshold: float = Field(
+        0.95, gt=0, description="share of the usual difference to other places above which nothing is proposed"
+    )
+    memory: int = Field(300, ge=1, description="steps over which the usual difference is taken")
     lag: int = Field(2, ge=1, description="steps to either side over which the difference has its minimum")
     shortlist: int = Field(8, ge=1, description="most similar nodes that are compared in detail")
     compared: int = Field(400, ge=1, description="nodes within reach that are compared; of more, the most similar")
@@ -45,12 +49,14 @@ class Moment:
 class Proposal:
     """A moment at which the best place within reach looked most alike.
 
-    places: the likeliest ones within reach; rivals: the likeliest ones anywhere.
+    places: the likeliest ones within reach; rivals: the likeliest ones anywhere; limit: the image difference above
+    which nothing would have been proposed.
     """
 
     moment: Moment
     places: tuple[PlaceMatch, ...]
     rivals: tuple[PlaceMatch, ...]
+    limit: float
 
 
 class Recognition:
@@ -62,6 +68,7 @@ class Recognition:
         self._nodes: list[int] = []
         self._travel: list[float] = []
         self._recent: deque[Moment] = deque(maxlen=2 * settings.lag + 1)
+        self._usual: deque[float] = deque(maxlen=settings.memory)
         self._last_proposal = -np.inf
 
     def add(self, node: int, travel: float, panorama: Panorama) -> None:
@@ -80,12 +87,25 @@ class Recognition:
         Returns the older node most like the view, wherever it lies; None where there is none.
         """
         view = signature(panorama)
+        self._learn(view, travel)
         rivals = self._matches(*self._index.search(view, self._s.shortlist, self._old(travel)))
         places = self._worth_comparing(view, reachable, travel)
         matches = self._matches(places, self._index.compare(view, places))
         differences = {match.node: match.difference for match in matches}
         self._recent.append(Moment(stamp_ns, travel, panorama, matches, rivals, differences))
         return rivals[0] if rivals else None
+
+    @property
+    def limit(self) -> float:
+        """The image difference above which nothing is proposed, by what other places look like here; 0 before any."""
+        return self._s.threshold * float(np.median(self._usual)) if self._usual else 0.0
+
+    def _learn(self, view: Signature, travel: float) -> None:
+        """Note how different the places look that surely are others: those left behind, not yet to be seen again."""
+        first, last = self._old(travel), self._old(travel + self._s.min_travel / 2)
+        if last > first:
+            differences = self._index.compare(view, np.arange(first, last)).difference
+            self._usual.append(float(np.median(differences)))
 
     def _worth_comparing(self, view: Signature, reachable: IntArray, travel: float) -> IntArray:
         """Return the index places of the reachable nodes; of too many, those that look most alike."""
@@ -109,10 +129,10 @@ class Recognition:
         if not moment.places or moment.travel - self._last_proposal < self._s.pause:
             return None
         best = moment.places[0]
-        if best.difference > self._s.threshold or not self._is_minimum(best.node):
+        if best.difference > self.limit or not self._is_minimum(best.node):
             return None
         self._last_proposal = moment.travel
-        return Proposal(moment, moment.places[: self._s.shortlist], moment.rivals)
+        return Proposal(moment, moment.places[: self._s.shortlist], moment.rivals, self.limit)
 
     def _is_minimum(self, node: int) -> bool:
         curve = [moment.difference.get(node, np.inf) for moment in self._recent]
@@ -120,4 +140,4 @@ class Recognition:
 
     def _old(self, travel: float) -> int:
         # the snapshots are in travel order: a head of them is old enough
-        return int(np.searchsorted(self._travel, travel - self._s.min_travel, side="right"))
+        return bisect_right(self._travel, travel - self._s.min_travel)

@@ -1,0 +1,59 @@
+"""What is proposed adapts to how different places look here."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from topomap.mapping.recognition import Recognition, RecognitionSettings
+from topomap.rig import Rig
+from topomap.vision.panorama import Panorama
+
+
+def views(contrast: float, count: int, seed: int = 0) -> list[Panorama]:
+    """Panoramas that share a pattern and differ by their own, of which `contrast` says how much."""
+    rng = np.random.default_rng(seed)
+    rig = Rig()
+    shape = (10, 24, 1)
+    shared, found = rng.uniform(60, 190, shape), []
+    for _ in range(count):
+        small = (1 - contrast) * shared + contrast * rng.uniform(60, 190, shape)
+        image = np.kron(small, np.ones((rig.height // 10, rig.width // 24, 3)))
+        found.append(Panorama(image.astype(np.uint8), None, rig))
+    return found
+
+
+def limit(contrast: float) -> float:
+    recognition = Recognition(RecognitionSettings())
+    for k, view in enumerate(views(contrast, 20)):
+        recognition.update(k, float(k), view, np.zeros(0, np.int64))
+        recognition.add(k, float(k), view)
+    return recognition.limit
+
+
+def test_the_limit_is_lower_where_all_places_look_alike() -> None:
+    assert 0.05 < limit(0.2) < 0.6 * limit(0.9)
+
+
+def test_nothing_is_proposed_before_other_places_were_seen() -> None:
+    recognition = Recognition(RecognitionSettings())
+    assert recognition.limit == 0.0
+    view = views(0.5, 1)[0]
+    recognition.add(0, 0.0, view)
+    recognition.update(1, 3.0, view, np.zeros(0, np.int64))
+    assert recognition.limit == 0.0
+
+
+@pytest.mark.parametrize(("share", "proposed"), [(0.7, False), (1.4, True)])
+def test_the_threshold_is_a_share_of_the_usual_difference(share: float, proposed: bool) -> None:
+    settings = RecognitionSettings(threshold=share)
+    recognition = Recognition(settings)
+    several = views(0.9, 26)
+    for k, view in enumerate(several[:20]):
+        recognition.update(k, float(k), view, np.zeros(0, np.int64))
+        recognition.add(k, float(k), view)
+    found = []
+    for k, view in enumerate(several[20:]):
+        recognition.update(20 + k, 20.0 + k, view, np.arange(10))
+        found.append(recognition.proposal())
+    assert any(proposal is not None for proposal in found) == proposed
