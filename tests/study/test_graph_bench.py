@@ -13,7 +13,7 @@ from topomap.geometry import FloatArray, between, compose
 from topomap.mapping.chain import Chain
 from topomap.mapping.odometry import Calibration, EdgeIncrements
 from topomap.study.datasets.g2o import PoseGraph
-from topomap.study.graph_bench import OURS, averages, bench, to_csv, to_json
+from topomap.study.graph_bench import OURS, PeerLimits, averages, bench, to_csv, to_json
 from topomap.study.graph_injection import LARGEST, counts, inject
 from topomap.study.graph_map import map_graph
 from topomap.study.graph_odometry import odometry_edges, odometry_poses
@@ -87,6 +87,15 @@ def test_bench_keeps_no_false_one_and_beats_odometry() -> None:
     assert to_csv(rows).count("\n") == 5
     with pytest.raises(TopomapError, match="no method 'Cauchy'"):
         list(bench(graph, [0], [0.0], ["Cauchy"]))
+
+
+def test_a_peer_that_takes_too_long_is_stopped_and_says_so() -> None:
+    graph, _ = drive()
+    rows = list(bench(graph, [0], [0.5], ["GNC"], PeerLimits(seconds=1e-4)))
+    assert [(row.method, row.stopped) for row in rows] == [(OURS, False), ("GNC", True)]
+    assert rows[1].recall is None
+    assert rows[1].ate_m is None
+    assert averages(rows)[1]["stopped"] == 1
 
 
 def test_without_closures_the_map_is_odometry() -> None:

@@ -10,7 +10,7 @@ from topomap.errors import DataError
 from topomap.mapping.backend.examples import example
 from topomap.study.datasets.g2o import PoseGraph, read_graph
 from topomap.study.figures_graphs import injection
-from topomap.study.graph_bench import OURS, Row, averages, bench, to_csv, to_json
+from topomap.study.graph_bench import OURS, PeerLimits, Row, averages, bench, to_csv, to_json
 from topomap.study.summary import write_whole
 
 SETS = ("intel", "CSAIL", "manhattanOlson3500", "w10000")
@@ -36,12 +36,16 @@ def read_sets(names: Sequence[str]) -> list[PoseGraph]:
 
 
 def run_bench(
-    graphs: Sequence[PoseGraph], seeds: Sequence[int], peers: Sequence[str], told: Callable[[Row], None]
+    graphs: Sequence[PoseGraph],
+    seeds: Sequence[int],
+    peers: Sequence[str],
+    limits: PeerLimits,
+    told: Callable[[Row], None],
 ) -> list[Row]:
     """Run the test; `told` hears every row as it is measured."""
     rows = []
     for graph in graphs:
-        for row in bench(graph, seeds, peers=peers):
+        for row in bench(graph, seeds, peers=peers, limits=limits):
             told(row)
             rows.append(row)
     return rows
@@ -57,7 +61,7 @@ def write_bench(rows: Sequence[Row], out: Path) -> tuple[Path, ...]:
 
 
 def table(rows: Sequence[Row]) -> list[tuple[str, ...]]:
-    """Return the averages as text: graph, false share, method, least precision, recall, ATE, times."""
+    """Return the averages as text: graph, false share, method, runs, stopped, least precision, recall, ATE, times."""
     return [_cells(line) for line in averages(rows)]
 
 
@@ -71,6 +75,8 @@ def _cells(line: dict[str, object]) -> tuple[str, ...]:
         str(line["graph"]),
         text("false_share", ".0%"),
         name.upper() if name == OURS else name,
+        text("runs", "d"),
+        text("stopped", "d"),
         text("precision_min", ".1%"),
         text("kept_false_max", "d"),
         text("recall_mean", ".1%"),

@@ -9,8 +9,8 @@ import typer
 from topomap.cli.bench_commands import benches
 from topomap.cli.console import console
 
-HEADINGS = ("graph", "false", "method", "precision, least", "false kept, most", "recall", "recall, least",
-            "ATE [m]", "odometry [m]", "time [s]")  # fmt: skip
+HEADINGS = ("graph", "false", "method", "runs", "stopped", "precision, least", "false kept, most", "recall",
+            "recall, least", "ATE [m]", "odometry [m]", "time [s]")  # fmt: skip
 
 
 def add_to(app: typer.Typer) -> None:
@@ -24,6 +24,8 @@ def graphs(
     ),
     seeds: str = typer.Option("0-4", help="Seeds of what is injected, e.g. 0-4 or 0,2."),
     peers: str = typer.Option("all", help="Peers of gtsam, comma-separated; 'all' or 'none'."),
+    limit: float = typer.Option(60.0, min=1.0, help="A peer's run is stopped after so many seconds."),
+    large_seeds: int = typer.Option(1, min=0, help="On so many of the seeds peers run where nodes are over 2,000."),
     out: Path = typer.Option(Path("runs") / "bench" / "graphs", help="Folder for table and figure."),
 ) -> None:
     """Inject false closures into pose graphs: precision, recall, error and time beside gtsam's optimisers."""
@@ -31,6 +33,7 @@ def graphs(
 
     from topomap.app import graph_bench
     from topomap.mapping.backend.peers import PEERS
+    from topomap.study.graph_bench import PeerLimits
 
     chosen = list(PEERS) if peers == "all" else [] if peers == "none" else peers.split(",")
     if unknown := [name for name in chosen if name not in PEERS]:
@@ -38,9 +41,14 @@ def graphs(
     found = graph_bench.read_sets(sets.split(","))
     with console.status("measuring") as status:
         rows = graph_bench.run_bench(
-            found, _seeds(seeds), chosen, lambda row: status.update(f"{row.graph} {row.false_share:.0%} {row.method}")
+            found,
+            _seeds(seeds),
+            chosen,
+            PeerLimits(limit, large_seeds),
+            lambda row: status.update(f"{row.graph} {row.false_share:.0%} {row.method}"),
         )
-    shown = Table(*HEADINGS, title="injected false closures", title_justify="left")
+    title = f"injected false closures; a run of a peer is stopped after {limit:g} s"
+    shown = Table(*HEADINGS, title=title, title_justify="left")
     for line in graph_bench.table(rows):
         shown.add_row(*line)
     console.print(shown, width=max(console.width, 140), crop=False)

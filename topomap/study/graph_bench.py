@@ -13,24 +13,25 @@ import numpy as np
 
 from topomap.errors import TopomapError
 from topomap.geometry import FloatArray
-from topomap.mapping.backend import Closures
 from topomap.mapping.backend.peers import PEERS, optimum
-from topomap.study.datasets.g2o import BoolArray, PoseGraph
+from topomap.study.datasets.g2o import PoseGraph
 from topomap.study.graph_injection import Injected, inject
 from topomap.study.graph_map import map_graph
 from topomap.study.graph_odometry import odometry_poses
+from topomap.study.graph_peers import PeerProcess, PeerRun, closures_of
 from topomap.study.metrics import ate
 
 OURS = "topomap"
 ODOMETRY = "odometry"
 SHARES = (0.0, 0.2, 0.5, 0.8, 0.9)
+LARGE = 2000  # nodes
 
 
 @dataclass(frozen=True, slots=True)
 class Row:
     """One method on one graph: closures offered and kept, ate [m] to the clean optimum after SE(2) alignment, time.
 
-    precision is None where nothing was kept; ate is None where the method failed.
+    precision is None where nothing was kept, ate where the method failed, recall, too, where it ran out of time.
     """
 
     graph: str
@@ -43,32 +44,56 @@ class Row:
     kept_true: int
     kept_false: int
     precision: float | None
-    recall: float
+    recall: float | None
     ate_m: float | None
     odometry_ate_m: float
     seconds: float
+    stopped: bool
+
+
+@dataclass(frozen=True, slots=True)
+class PeerLimits:
+    """How long a peer may take [s], and on how many seeds of a graph with more than 2,000 nodes peers run."""
+
+    seconds: float = 60.0
+    large_seeds: int = 1
 
 
 def bench(
-    graph: PoseGraph, seeds: Sequence[int], shares: Sequence[float] = SHARES, peers: Sequence[str] = tuple(PEERS)
+    graph: PoseGraph,
+    seeds: Sequence[int],
+    shares: Sequence[float] = SHARES,
+    peers: Sequence[str] = tuple(PEERS),
+    limits: PeerLimits = PeerLimits(),
 ) -> Iterator[Row]:
     """Yield a row a method, share and seed; the clean optimum comes from all true closures (LAGO, then LM)."""
-    clean = optimum(graph.odometry, graph.odometry_covariance, _closures(graph))
+    if unknown := [name for name in peers if name not in PEERS]:
+        raise TopomapError(f"no method '{unknown[0]}': there are {', '.join(PEERS)}")
+    clean = optimum(graph.odometry, graph.odometry_covariance, closures_of(graph))
     drift = ate(odometry_poses(graph), clean)
     _warm_up()
-    for share in shares:
-        for seed in seeds:
-            injected = inject(graph, clean, share, np.random.default_rng([seed, round(100 * share)]))
-            for method in (OURS, *peers):
-                yield _row(injected, clean, drift, share, seed, method)
+    heard = seeds if graph.nodes <= LARGE else seeds[: limits.large_seeds]
+    with PeerProcess(limits.seconds) as process:
+        for share in shares:
+            for seed in seeds:
+                injected = inject(graph, clean, share, np.random.default_rng([seed, round(100 * share)]))
+                yield _row(injected, clean, drift, share, seed, OURS, _ours(injected.graph))
+                for method in peers if seed in heard else ():
+                    run = process.run(method, injected.graph)
+                    yield _row(injected, clean, drift, share, seed, method, run)
 
 
-def _row(injected: Injected, clean: FloatArray, drift: float, share: float, seed: int, method: str) -> Row:
+def _ours(graph: PoseGraph) -> PeerRun:
     begin = time.perf_counter()
-    poses, believed = _mapped(injected.graph, method)
-    seconds = time.perf_counter() - begin
+    poses, believed = map_graph(graph)
+    return PeerRun(poses, believed, time.perf_counter() - begin, False)
+
+
+def _row(
+    injected: Injected, clean: FloatArray, drift: float, share: float, seed: int, method: str, run: PeerRun
+) -> Row:
     false = injected.false
-    right, wrong = int((believed & ~false).sum()), int((believed & false).sum())
+    right, wrong = int((run.believed & ~false).sum()), int((run.believed & false).sum())
     return Row(
         graph=injected.graph.name,
         nodes=injected.graph.nodes,
@@ -80,26 +105,12 @@ def _row(injected: Injected, clean: FloatArray, drift: float, share: float, seed
         kept_true=right,
         kept_false=wrong,
         precision=right / (right + wrong) if right + wrong else None,
-        recall=right / max(1, int((~false).sum())),
-        ate_m=ate(poses, clean) if np.isfinite(poses).all() else None,
+        recall=None if run.stopped else right / max(1, int((~false).sum())),
+        ate_m=ate(run.poses, clean) if np.isfinite(run.poses).all() else None,
         odometry_ate_m=drift,
-        seconds=seconds,
+        seconds=run.seconds,
+        stopped=run.stopped,
     )
-
-
-def _mapped(graph: PoseGraph, method: str) -> tuple[FloatArray, BoolArray]:
-    if method == OURS:
-        return map_graph(graph)
-    if method not in PEERS:
-        raise TopomapError(f"no method '{method}': there are {', '.join(PEERS)}")
-    try:
-        return PEERS[method](graph.odometry, graph.odometry_covariance, _closures(graph))
-    except RuntimeError:  # gtsam gives up on an indeterminate system: a result of the peer, not an error of the bench
-        return np.full((graph.nodes, 3), np.nan), np.zeros(len(graph.i), bool)
-
-
-def _closures(graph: PoseGraph) -> Closures:
-    return Closures(graph.i, graph.j, graph.relative, graph.covariance, np.ones(len(graph.i)))
 
 
 def _warm_up() -> None:
@@ -122,15 +133,17 @@ def averages(rows: Sequence[Row]) -> list[dict[str, object]]:
 def _average(key: tuple[str, float, str], own: list[Row]) -> dict[str, object]:
     precisions = [row.precision for row in own if row.precision is not None]
     ates = [row.ate_m for row in own if row.ate_m is not None]
+    recalls = [row.recall for row in own if row.recall is not None]
     return {
         "graph": key[0],
         "false_share": key[1],
         "method": key[2],
         "runs": len(own),
+        "stopped": sum(row.stopped for row in own),
         "precision_min": min(precisions) if precisions else None,
         "kept_false_max": max(row.kept_false for row in own),
-        "recall_mean": float(np.mean([row.recall for row in own])),
-        "recall_min": min(row.recall for row in own),
+        "recall_mean": float(np.mean(recalls)) if recalls else None,
+        "recall_min": min(recalls) if recalls else None,
         "ate_m_mean": float(np.mean(ates)) if ates else None,
         "ate_m_max": max(ates) if ates else None,
         "odometry_ate_m": own[0].odometry_ate_m,
