@@ -54,7 +54,7 @@ class RunRecorder:
         self._calibration: CalibrationState | None = None
         self._start: log.Pose | None = None
         self._map_stale = False
-        self._map_age = 0
+        self._map_age = self._map_size = 0
         self._stamp = 0
 
     def observe(self, reading: Reading, record: StepRecord, truth: Truth | None = None) -> None:
@@ -163,12 +163,9 @@ class RunRecorder:
             self._note_closure(decision)
         self._map_stale = self._map_stale or bool(change.added) or change.solved
         self._map_age += 1
-        if not self._map_stale:
-            return
-        nodes = self._nodes()
         # a map of thousands of nodes at every change would outgrow the panoramas
-        if self._map_age >= len(nodes) // 10:
-            self._send_map(nodes)
+        if self._map_stale and self._map_age >= self._map_size // 10:
+            self._send_map(self._nodes())
 
     def _note_closure(self, decision: Decision) -> None:
         candidate = decision.candidate
@@ -186,7 +183,7 @@ class RunRecorder:
         graph = log.Graph(poses, snapshots, np.stack([steps, steps + 1], axis=1), closures)
         self._write(topics.NODES, log.NodePoses(poses))
         self._write(topics.GRAPH, graph)
-        self._map_stale, self._map_age = False, 0
+        self._map_stale, self._map_age, self._map_size = False, 0, len(nodes)
 
 
 def _final(final: FinalMap) -> log.Final:

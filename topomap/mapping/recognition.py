@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from array import array
 from bisect import bisect_right
 from collections import deque
 from dataclasses import dataclass
@@ -65,7 +66,7 @@ class Recognition:
     def __init__(self, settings: RecognitionSettings) -> None:
         self._s = settings
         self._index = PlaceIndex()
-        self._nodes: list[int] = []
+        self._nodes = array("q")
         self._travel: list[float] = []
         self._recent: deque[Moment] = deque(maxlen=2 * settings.lag + 1)
         self._usual: deque[float] = deque(maxlen=settings.memory)
@@ -79,7 +80,7 @@ class Recognition:
 
     def old_nodes(self, travel: float) -> IntArray:
         """Return the snapshot nodes that lie far enough back on the way to be seen again."""
-        return np.array(self._nodes[: self._old(travel)], np.int64)
+        return np.array(self._nodes[: self._old(travel)])
 
     def update(self, stamp_ns: int, travel: float, panorama: Panorama, reachable: IntArray) -> PlaceMatch | None:
         """Take this step's view and the nodes at which odometry allows it to be taken.
@@ -109,7 +110,7 @@ class Recognition:
 
     def _worth_comparing(self, view: Signature, reachable: IntArray, travel: float) -> IntArray:
         """Return the index places of the reachable nodes; of too many, those that look most alike."""
-        places: IntArray = np.searchsorted(self._nodes, reachable).astype(np.int64)
+        places: IntArray = np.searchsorted(np.array(self._nodes), reachable)
         if len(places) <= self._s.compared:
             return places
         likely, _ = self._index.search(view, self._s.compared, self._old(travel))
