@@ -24,8 +24,9 @@ def road(there_and_back: bool) -> TopoMap:
     return topo
 
 
-def candidate(query: int, match: int, rotation: float) -> Candidate:
-    return Candidate(query, match, match, Pose2(0.0, 0.0, rotation), np.eye(3), query=query)
+def candidate(query: int, match: int, rotation: float, ratio: float = 0.0) -> Candidate:
+    relative = Pose2(0.0, 0.0, rotation)
+    return Candidate(query, match, match, relative, np.eye(3), query=query, scores={"ratio": ratio})
 
 
 @pytest.mark.parametrize("back", [False, True])
@@ -36,6 +37,12 @@ def test_three_that_tell_the_same_shift_are_believed_together(back: bool) -> Non
     assert quorum.add(candidate(*pairs[0], turn)) == ()
     assert quorum.add(candidate(*pairs[1], turn)) == ()
     assert [c.query for c in quorum.add(candidate(*pairs[2], turn))] == [22, 24, 26]
+
+
+def test_places_that_hardly_beat_their_rivals_need_more_of_them() -> None:
+    quorum = Quorum(QuorumSettings(clear=0.6), road(False))
+    found = [quorum.add(candidate(20 + k, k, 0.0, ratio=0.8)) for k in range(6)]  # half a vote each
+    assert [len(some) for some in found] == [0, 0, 0, 0, 0, 6]
 
 
 def test_look_alikes_at_random_places_never_agree() -> None:

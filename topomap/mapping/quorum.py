@@ -13,7 +13,8 @@ from topomap.types import Candidate
 class QuorumSettings(BaseModel, frozen=True, extra="forbid"):
     """How many closures must agree where odometry leaves the place open."""
 
-    votes: int = Field(3, ge=1, description="closures that must agree, the new one included")
+    votes: float = Field(3, gt=0, description="clear closures that must agree, the new one included")
+    clear: float = Field(0.75, gt=0, lt=1, description="a vote counts fully if its place costs this share of its rival")
     within: float = Field(8.0, gt=0, description="way on which they must come [m]")
     distance: float = Field(0.4, gt=0, description="how far they may disagree [m] ...")
     share: float = Field(0.05, ge=0, description="... plus this share of the way between them")
@@ -29,10 +30,14 @@ class Quorum:
         self._waiting: list[Candidate] = []
 
     def add(self, candidate: Candidate) -> tuple[Candidate, ...]:
-        """Take a candidate with a query node; return all that agree with it, itself last, or none yet."""
+        """Take a candidate with a query node; return all that agree with it, itself last, or none yet.
+
+        A place that hardly beats its rival is a small part of a vote: in a row of look-alikes the same wrong one wins
+        again and again.
+        """
         agreeing = tuple(other for other in self._waiting if self._agree(other, candidate))
         self._waiting.append(candidate)
-        if len(agreeing) + 1 < self._s.votes:
+        if sum(map(self._weight, (*agreeing, candidate))) < self._s.votes - 1e-9:
             return ()
         self._waiting = [c for c in self._waiting if c not in agreeing and c is not candidate]
         return (*agreeing, candidate)
@@ -42,6 +47,10 @@ class Quorum:
         late = tuple(c for c in self._waiting if travel - self._travel(c) > self._s.within)
         self._waiting = [c for c in self._waiting if c not in late]
         return late
+
+    def _weight(self, candidate: Candidate) -> float:
+        """Return how much of a vote a candidate is, in [0, 1]."""
+        return min(1.0, (1.0 - candidate.scores.get("ratio", 0.0)) / (1.0 - self._s.clear))
 
     def _agree(self, a: Candidate, b: Candidate) -> bool:
         """Whether b lies where a and the odometry between them say."""
