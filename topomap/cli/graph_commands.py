@@ -11,6 +11,7 @@ from topomap.cli.console import console
 
 HEADINGS = ("graph", "false", "method", "runs", "stopped", "precision, least", "false kept, most", "recall",
             "recall, least", "ATE [m]", "odometry [m]", "time [s]")  # fmt: skip
+WIDEST = 170  # a pipe tells no width, and a cut table is worth nothing
 
 
 def add_to(app: typer.Typer) -> None:
@@ -29,6 +30,7 @@ def graphs(
     out: Path = typer.Option(Path("runs") / "bench" / "graphs", help="Folder for table and figure."),
 ) -> None:
     """Inject false closures into pose graphs: precision, recall, error and time beside gtsam's optimisers."""
+    from rich.console import Console
     from rich.table import Table
 
     from topomap.app import graph_bench
@@ -51,7 +53,7 @@ def graphs(
     shown = Table(*HEADINGS, title=title, title_justify="left")
     for line in graph_bench.table(rows):
         shown.add_row(*line)
-    console.print(shown, width=max(console.width, 140), crop=False)
+    Console(file=console.file, width=max(console.width, WIDEST)).print(shown)
     for path in graph_bench.write_bench(rows, out):
         console.print(str(path), soft_wrap=True)
 

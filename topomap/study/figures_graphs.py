@@ -12,12 +12,15 @@ from topomap.study import figures_style as style
 from topomap.study.graph_bench import OURS, Row
 
 PANELS = (("precision", "share", False), ("recall", "share", False), ("ate_m", "m", True), ("seconds", "s", True))
-TITLES = {"precision": "precision", "recall": "recall", "ate_m": "ATE to the clean optimum", "seconds": "time"}
+TITLES = {"precision": "precision", "recall": "recall", "ate_m": "ATE", "seconds": "time"}
 LOOKS = ((style.RED, "o"), (style.BLUE, "s"), (style.AMBER, "^"), (style.GREEN, "D"), (style.PURPLE, "v"))
 
 
 def injection(rows: Sequence[Row]) -> Figure:
-    """Return a row of panels a graph, a line a method: the mean over seeds, with the worst and best as a band."""
+    """Return a row of panels a graph, a line a method: the mean over seeds, with the worst and best as a band.
+
+    ATE is to the clean optimum; a method whose runs were stopped has no point there.
+    """
     graphs = list(dict.fromkeys(row.graph for row in rows))
     methods = list(dict.fromkeys(row.method for row in rows))
     figure = style.canvas(12.0, 0.5 + 2.5 * len(graphs))
@@ -27,6 +30,8 @@ def injection(rows: Sequence[Row]) -> Figure:
             style.dress(panel, f"{graph}: {TITLES[name]}", "false closures [%]", f"[{unit}]")
             if logarithmic:
                 panel.set_yscale("log")
+            else:
+                panel.set_ylim(-0.03, 1.05)
             for method, (colour, sign) in zip(methods, LOOKS, strict=False):
                 own = [row for row in rows if row.graph == graph and row.method == method]
                 _draw(panel, own, name, colour, sign)
