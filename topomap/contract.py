@@ -63,7 +63,8 @@ class Reading(Protocol):
     stamp_ns; image (H, W, 3) uint8 RGB as recorded (see rig), decoded from `encoded`, the very bytes that are logged;
     ranges (W,) float32 [m] or None, entry j along bearing 2 pi j/W from the nose, counter-clockwise, NaN where
     nothing was measured; motion: the increment since the previous reading; contact: the bumper is pressed; driven:
-    somebody else (a person, a script) has the wheels and commands are ignored.
+    somebody else (a person, a script) has the wheels and commands are ignored. A stamp that isn't later than the one
+    before and an increment that isn't numbers end the run with a DataError.
     """
 
     @property

@@ -47,6 +47,10 @@ def laps(rounds: int = 3, noise: float = 0.0) -> tuple[str, str]:
         (HEAD + "odom2 0.5 1 0 0 1 1 1\n", "row 3 of 'odom2': time: 0.5 s runs backwards"),
         (HEAD + "odom2 2 1 0 0 1 -1 1\n", "row 3 of 'odom2': a variance is negative"),
         ("loop 1 0 1\n", "at least two rows 'odom2'"),
+        (HEAD.splitlines()[0], "at least two rows 'odom2', it has 1"),
+        (HEAD + "odom2 2 0 0 inf 1 1 1\n", "Small_Input.txt:3: turn rate: 'inf' isn't finite"),
+        (HEAD + "loop nan 0 1\n", "Small_Input.txt:3: time of the query: 'nan' isn't finite"),
+        (HEAD + "odom2 1e300 0 0 0 1 1 1\n", "Small_Input.txt:3: time: '1e300' s is no time"),
     ],
 )
 def test_bad_files_name_line_and_field(tmp_path: Path, text: str, message: str) -> None:

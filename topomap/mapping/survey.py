@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from topomap.contract import MotionReading
+from topomap.errors import DataError
 from topomap.geometry import Pose2
 from topomap.mapping.graph import Node, Snapshot, TopoMap
 from topomap.mapping.odometry import Increments, advance
@@ -26,7 +29,11 @@ class Survey:
         self._motions: list[Motion] = []
 
     def advance(self, stamp_ns: int, reading: MotionReading) -> Motion:
-        """Take one increment as read; return it corrected. The first reading's increment leads nowhere."""
+        """Take one increment as read; return it corrected. The first reading's increment leads nowhere.
+
+        Raises DataError for a stamp that isn't later than the one before and for an increment that isn't numbers.
+        """
+        self._check(stamp_ns, reading)
         motion = Motion(reading.forward, reading.left, reading.turn, reading.covariance, reading.dt)
         corrected = self.map.calibration.correct(motion)
         self.turn = corrected.turn
@@ -52,6 +59,22 @@ class Survey:
         self.pose = self.map.pose(self.map.chain[-1])
         for motion in self._motions:
             self.pose = advance(self.pose, self.map.calibration.correct(motion))
+
+    def _check(self, stamp_ns: int, reading: MotionReading) -> None:
+        """Refuse what would only fail later, and elsewhere."""
+        last = self._last_stamp()
+        if last is not None and stamp_ns <= last:
+            raise DataError(f"the reading at {stamp_ns} ns isn't later than the one before, at {last} ns")
+        if reading.covariance.shape != (3, 3):
+            raise DataError(f"odometry at {stamp_ns} ns: the covariance is {reading.covariance.shape}, not (3, 3)")
+        numbers = (reading.forward, reading.left, reading.turn, *reading.covariance.flat)
+        if not np.isfinite(numbers).all():
+            raise DataError(f"odometry at {stamp_ns} ns: an increment or its covariance holds NaN or infinite numbers")
+
+    def _last_stamp(self) -> int | None:
+        if self._stamps:
+            return self._stamps[-1]
+        return self.map.nodes[self.map.chain[-1]].stamp_ns if self.map.nodes else None
 
     def _cut(self, stamp_ns: int) -> Increments:
         k = sum(stamp <= stamp_ns for stamp in self._stamps)

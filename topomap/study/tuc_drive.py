@@ -57,14 +57,18 @@ class Drive:
     @cached_property
     def way(self) -> FloatArray:
         """The way travelled up to each node (N,) [m as read]."""
+        return self.travelled[self.marks]
+
+    @cached_property
+    def travelled(self) -> FloatArray:
+        """The way travelled up to each stamp (K + 1,) [m as read]."""
         steps = np.hypot(self.increments.deltas[:, 0], self.increments.deltas[:, 1])
-        return np.concatenate([[0.0], np.cumsum(steps)])[self.marks]
+        return np.concatenate([[0.0], np.cumsum(steps)])
 
     def straight(self, length: float, largest: float) -> BoolArray:
         """Return (N,) whether the drive turns by at most `largest` [rad] over `length` [m] around each node."""
-        deltas = self.increments.deltas
-        way = np.concatenate([[0.0], np.cumsum(np.hypot(deltas[:, 0], deltas[:, 1]))])
-        turned = np.concatenate([[0.0], np.cumsum(deltas[:, 2])])
+        way = self.travelled
+        turned = np.concatenate([[0.0], np.cumsum(self.increments.deltas[:, 2])])
         before = np.searchsorted(way, way[self.marks] - length / 2)
         after = np.minimum(np.searchsorted(way, way[self.marks] + length / 2), len(way) - 1)
         inside = (way[self.marks] >= length / 2) & (way[self.marks] <= way[-1] - length / 2)

@@ -40,7 +40,7 @@ class Loops:
         query, match = drive.node_at(recording.query_ns), drive.node_at(recording.match_ns)
         covariance = np.diag([settings.closure_sigma**2, settings.closure_sigma**2, ANY_HEADING])
         loops = Loops(recording, query, match, np.zeros(len(query)), covariance, 0.0)
-        told = np.flatnonzero(loops.known() & (loops.way(drive) >= settings.min_way))
+        told = np.flatnonzero(loops.told(drive, settings.min_way))
         claims = loops._claims(told)
         odometry = drive.dead_reckoning(Calibration(curvature=curvature))[drive.marks]
         loops.support[told] = support(claims, odometry, drive.way, settings.support)
@@ -55,6 +55,10 @@ class Loops:
     def way(self, drive: Drive) -> FloatArray:
         """Return (M,) the way between both [m]."""
         return np.abs(drive.way[self.query] - drive.way[self.match])
+
+    def told(self, drive: Drive, min_way: float) -> BoolArray:
+        """Return (M,) which of them say something: both stamps known, and at least `min_way` [m] between them."""
+        return np.asarray(self.known() & (self.way(drive) >= min_way))
 
     def _claims(self, which: IntArray) -> Claims:
         n = len(which)

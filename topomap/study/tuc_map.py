@@ -17,6 +17,7 @@ from topomap.mapping.ledger import Ledger, key_of
 from topomap.mapping.odometry import Calibration, IntArray
 from topomap.study.datasets.tuc import TucRecording
 from topomap.study.run_data import NodeData, RunData
+from topomap.study.tuc_chance import probability
 from topomap.study.tuc_drive import Drive
 from topomap.study.tuc_loops import Loops
 from topomap.study.tuc_settings import TucSettings
@@ -64,7 +65,7 @@ def _map(recording: TucRecording, settings: TucSettings) -> tuple[TucMapping, So
             break
         other = _from(recording, settings, settings.start_curvature + offset * settings.curvature_sigma)
         best = max(best, other, key=lambda end: end[0].believed)
-    return best if best[0].believed >= settings.min_standing else best[0].given_up()
+    return best if best[0].chance() <= settings.chance else best[0].given_up()
 
 
 def _from(recording: TucRecording, settings: TucSettings, curvature: float) -> tuple[TucMapping, Solution]:
@@ -101,12 +102,11 @@ class TucMapping:
     def _sift(self) -> IntArray:
         """Refuse what says nothing and what no neighbour supports; return the others."""
         known, way = self.loops.known(), self.loops.way(self.drive)
-        needed = self.loops.needed
+        told, needed = self.loops.told(self.drive, self._s.min_way), self.loops.needed
         for k in np.flatnonzero(~known):
             self._decide(int(k), Verdict.REFUSED, "a stamp lies outside the recording")
         for k in np.flatnonzero(known & (way < self._s.min_way)):
             self._decide(int(k), Verdict.REFUSED, f"only {way[k]:.1f} m of way between: it says nothing")
-        told = known & (way >= self._s.min_way)
         for k in np.flatnonzero(told & (self.loops.support < needed)):
             found = f"{self.loops.support[k]:.2f} of at least {needed:.2f}"
             self._decide(int(k), Verdict.REFUSED, f"too few neighbours along the way agree ({found})")
@@ -192,7 +192,7 @@ class TucMapping:
 
     def close(self) -> Solution:
         """Hear every loop near the map once more and solve for the last time."""
-        told = self.loops.known() & (self.loops.way(self.drive) >= self._s.min_way)
+        told = self.loops.told(self.drive, self._s.min_way)
         gap = self._poses[self.loops.query, :2] - self._poses[self.loops.match, :2]
         near = np.flatnonzero(told & (np.hypot(gap[:, 0], gap[:, 1]) <= self._s.readmit))
         solution = self._solve(near, self._s.closing)
@@ -208,7 +208,7 @@ class TucMapping:
     def given_up(self) -> tuple[TucMapping, Solution]:
         """Withdraw every loop and return the drive as odometry has it from the start: too few fit to mean anything."""
         now = int(self.drive.node_stamps[-1])
-        reason = f"only {100 * self.believed:.1f} % of the supported loops fit together: by chance"
+        reason = f"{len(self.ledger.accepted)} loops fit together: false ones may do so by chance"
         for candidate in self.ledger.accepted:
             self.ledger.withdraw(now, key_of(candidate), reason)
         self._calibration = self._start = Calibration(curvature=self._given)
@@ -221,6 +221,13 @@ class TucMapping:
         """The share of the loops with support that stands; 1 if there are none."""
         supported = int((self.loops.support >= self.loops.needed).sum())
         return len(self.ledger.accepted) / supported if supported else 1.0
+
+    def chance(self) -> float:
+        """Return the probability that so many loops stood if they joined any two places of the map."""
+        _, poses = self.drive.between_nodes(self._poses, self._calibration)
+        told = int(self.loops.told(self.drive, self._s.min_way).sum())
+        near = self._s.closing.cutoff * self._s.closure_sigma
+        return probability(len(self.ledger.accepted), told, poses, self.drive.travelled, near, self._s.min_way)
 
     def calibration_state(self, solution: Solution) -> CalibrationState:
         """Return what is believed of the odometer; loops alone never show its distance scale."""

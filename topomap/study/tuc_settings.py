@@ -39,8 +39,8 @@ class TucSettings(BaseModel):
     min_believed: float = Field(
         default=0.2, ge=0, le=1, description="share of supported loops below which other curvatures are tried"
     )
-    min_standing: float = Field(
-        default=0.05, ge=0, le=1, description="share of supported loops below which those that fit do so by chance"
+    chance: float = Field(
+        default=1e-8, ge=0, le=1, description="probability that false loops fit so well above which none is believed"
     )
     building_axes: bool = Field(default=False, description="straight stretches run along the building's axes")
     axis_sigma_deg: float = Field(default=3.0, gt=0, le=45, description="how straight a corridor is driven [degree]")

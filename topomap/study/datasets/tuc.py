@@ -19,6 +19,7 @@ Rows = dict[str, list[list[float]]]
 ODOMETRY = ("time", "velocity x", "velocity y", "turn rate", "variance x", "variance y", "variance turn rate")
 LOOP = ("time of the query", "time of the match", "similarity")
 POINT = ("time", "x", "y", "cov xx", "cov xy", "cov yx", "cov yy")
+LARGEST_TIME = 9e9  # [s] a stamp holds hardly more nanoseconds
 ANGLE = ("time", "heading", "variance")
 
 
@@ -80,7 +81,8 @@ def read_tuc(path: Path) -> TucRecording:
     if len(odometry) < 2:
         raise DataError(f"{source}: a recording needs at least two rows 'odom2', it has {len(odometry)}")
     _check(source, odometry)
-    loops = _array(rows["loop"], len(LOOP))
+    # a candidate that is written twice was still seen once
+    loops = _array([list(row) for row in dict.fromkeys(map(tuple, rows["loop"]))], len(LOOP))
     truth = source.with_name(source.name.replace("_Input", "_GT"))
     return TucRecording(
         source.name.removesuffix("_Input.txt"),
@@ -149,6 +151,8 @@ def _number(where: str, field: str, word: str) -> float:
         raise DataError(f"{where}: {field}: '{word}' is no number") from None
     if not math.isfinite(value):
         raise DataError(f"{where}: {field}: '{word}' isn't finite")
+    if field.startswith("time") and abs(value) > LARGEST_TIME:
+        raise DataError(f"{where}: {field}: '{word}' s is no time")
     return value
 
 
