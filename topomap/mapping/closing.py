@@ -76,9 +76,10 @@ class Closing:
         elsewhere, out of reach, tells how much a likeness is worth.
         """
         open_places = self._ways.reach(proposal.places[0].node) > self._s.alone
-        places = {p.node: p for p in (*proposal.places, *(proposal.rivals if open_places else ()))}
+        near = {place.node for place in proposal.places}
+        rivals = [rival for rival in proposal.rivals if open_places and rival.node not in near]
         outcome = self._verification.judge(
-            proposal.moment.panorama, tuple(places.values()), self._album.panorama, self._map.length
+            proposal.moment.panorama, proposal.places, rivals, self._album.panorama, self._map.length
         )
         objection = outcome.objection
         if not objection and outcome.winner.match.node not in proposal.moment.difference:

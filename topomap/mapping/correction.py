@@ -40,8 +40,8 @@ class CorrectionSettings(BaseModel, frozen=True, extra="forbid"):
     every: int = Field(10, ge=1, description="nodes after which the map is solved though nothing surprising happened")
     surprise: float = Field(1.0, ge=0, description="a closure further off than this is solved at once [sigmas]")
     large: int = Field(500, ge=1, description="nodes and closures from which on a map is solved bit by bit")
-    alarm: float = Field(2.0, ge=0, description="in a large map, a closure further off than this asks for all [sigmas]")
-    growth: float = Field(0.05, gt=0, description="share by which a large map grows between two solves of all")
+    alarm: float = Field(2.5, ge=0, description="in a large map, a closure further off than this asks for all [sigmas]")
+    growth: float = Field(0.1, gt=0, description="share by which a large map grows between two solves of all")
     stretch: int = Field(200, ge=2, description="odometry edges that are solved in between in a large map")
 
 
@@ -69,6 +69,8 @@ class Correction:
         """Solve what is due; return whether the map was moved and which verdicts changed."""
         if self._running is None and self._whole_due:
             self._start()
+            if self._large:
+                return False, []
         if self._running is not None:
             return self._advance(stamp_ns, ledger)
         if self._stretch_due:

@@ -48,16 +48,32 @@ class Verification:
         self,
         view: Panorama,
         places: Sequence[PlaceMatch],
+        rivals: Sequence[PlaceMatch],
         panorama: Callable[[int], Panorama],
         distance: Callable[[int, int], float],
     ) -> Outcome:
-        """Compare `view` with each place (at least one); `distance` is between two nodes on the map [m]."""
-        looks = [Look(p, self._aligner.align(view, panorama(p.node), p.rotation)) for p in places]
-        looks.sort(key=lambda look: look.alignment.residual)
+        """Compare `view` with each place (at least one) and with rivals until one of these spoils the best's chances.
+
+        distance: between two nodes on the map [m].
+        """
+
+        def look(place: PlaceMatch) -> Look:
+            return Look(place, self._aligner.align(view, panorama(place.node), place.rotation))
+
+        looks = sorted(map(look, places), key=_cost)
+        for rival in rivals:
+            looks = sorted([*looks, look(rival)], key=_cost)
+            if self._ratio(looks, distance) > self._s.ratio:
+                break
+        ratio = self._ratio(looks, distance)
+        return Outcome(looks[0], ratio, self._objection(_cost(looks[0]), ratio))
+
+    def _ratio(self, looks: Sequence[Look], distance: Callable[[int, int], float]) -> float:
+        """Return the cost of the first, the winner, over that of the best one elsewhere; 0 where there is none."""
         winner = looks[0]
-        rivals = [k for k in looks if distance(k.match.node, winner.match.node) > self._s.rival_distance]
-        ratio = winner.alignment.residual / max(rivals[0].alignment.residual, 1e-9) if rivals else 0.0
-        return Outcome(winner, ratio, self._objection(winner.alignment.residual, ratio))
+        elsewhere = (k for k in looks if distance(k.match.node, winner.match.node) > self._s.rival_distance)
+        best = next(elsewhere, None)
+        return 0.0 if best is None else _cost(winner) / max(_cost(best), 1e-9)
 
     def _objection(self, cost: float, ratio: float) -> str:
         if cost > self._s.cost:
@@ -65,3 +81,7 @@ class Verification:
         if ratio > self._s.ratio:
             return f"another place is nearly as alike (ratio {ratio:.2f} > {self._s.ratio:g})"
         return ""
+
+
+def _cost(look: Look) -> float:
+    return look.alignment.residual

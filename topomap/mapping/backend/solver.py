@@ -38,9 +38,10 @@ def solve(problem: Problem, settings: BackendSettings | None = None) -> Solution
 
 
 def solving(problem: Problem, settings: BackendSettings | None = None) -> Slices[Solution]:
-    """Do what `solve` does, one Gauss-Newton step a slice: whoever has other work meanwhile does it in between."""
+    """Do what `solve` does, at most one Gauss-Newton step a slice: whoever has other work does it in between."""
     chosen = settings or BackendSettings()
     graph = Graph(problem, chosen.turn_cutoff)
+    yield
     start = graph.start()
     at_start = graph.linearise(start)
     before = graph.truncated_error(at_start, chosen.cutoff)
@@ -76,6 +77,7 @@ def _best(graph: Graph, start: State, at: Linearised, settings: BackendSettings)
     """Return the better end of two ways: all that odometry allows, or first those that support one another."""
     if bool(inliers(graph, at, settings.cutoff).all()):
         return (yield from _settle(graph, start, at, settings, 0))
+    yield
     schedule = Schedule(graph, settings)
     if settings.cutoffs:
         return (yield from _end(graph, start, at, schedule.narrowing(), settings))
