@@ -93,6 +93,7 @@ def make_run() -> RunData:
         homing_difference=np.where(np.arange(count) < 2 * LAP, np.nan, 0.3), threshold=0.42,
         nodes=nodes, calibration=believed(), true_calibration=TrueCalibration(1.04, 0.95, 0.003),
         first_closure=(("40 steps before", image), ("at the closure", image), ("the match, node 0", image)),
+        stage_ms={"map": 3.0 + rng.random(count), "travel": np.full(count, 2.0)},
         goal_node=7, claimed=True, milestones=(1, 3, 5, 7), graph_hash="3f2a" * 16, steps_per_s=81.0,
     )  # fmt: skip
     return replace(run, decisions=decisions(run))

@@ -28,6 +28,7 @@ BARE = replace(
     first_closure=(),
     goal_node=None,
     decisions=(),
+    stage_ms={},
 )
 
 
@@ -82,7 +83,7 @@ def test_a_run_without_a_step_still_has_a_report() -> None:
     empty = replace(
         RUN, stamps_ns=np.zeros(0, dtype=np.int64), dead_reckoning=none, online=none, final=none, truth=none,
         driven=None, contact=None, difference=None, place_difference=None, homing_difference=None, nodes=(),
-        decisions=(), goal_node=None, first_closure=(),
+        decisions=(), goal_node=None, first_closure=(), stage_ms={},
     )  # fmt: skip
     assert "the run has no steps" in render(empty)
 

@@ -85,6 +85,7 @@ def _load(log_file: LogReader) -> RunData:
         milestones=_milestones(steps),
         replayed=header.replayed,
         graph_hash="" if final is None else final.graph_hash,
+        stage_ms=steps.stage_ms,
         steps_per_s=None if performance is None else performance.steps_per_s,
     )
 

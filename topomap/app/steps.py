@@ -16,7 +16,7 @@ from topomap.study.run_data import BoolArray, IntArray
 
 R = TypeVar("R")
 
-TOPICS = (topics.ODOMETRY, topics.BELIEF, topics.DIFFERENCE, topics.MISSION, topics.TRUTH)
+TOPICS = (topics.ODOMETRY, topics.BELIEF, topics.DIFFERENCE, topics.MISSION, topics.TRUTH, topics.TIMINGS)
 
 
 @dataclass(frozen=True)
@@ -31,6 +31,7 @@ class Steps:
     contact: BoolArray
     differences: tuple[log.ImageDifference, ...]
     missions: tuple[log.Mission, ...]
+    stage_ms: dict[str, FloatArray]
 
     def difference(self, name: str) -> FloatArray:
         """Return (N,) of one field of the image differences."""
@@ -47,6 +48,7 @@ def read_steps(rows: Gathered) -> Steps:
     differences = _by_stamp(rows, topics.DIFFERENCE, log.ImageDifference)
     missions = _by_stamp(rows, topics.MISSION, log.Mission)
     truths = _by_stamp(rows, topics.TRUTH, log.Truth)
+    timings = _by_stamp(rows, topics.TIMINGS, log.Timings)
     stamps = [s for s in odometry if s in beliefs and s in differences and s in missions]
     return Steps(
         stamps_ns=np.array(stamps, dtype=np.int64),
@@ -57,6 +59,7 @@ def read_steps(rows: Gathered) -> Steps:
         contact=np.array([odometry[s].contact for s in stamps], dtype=np.bool_),
         differences=tuple(differences[s] for s in stamps),
         missions=tuple(missions[s] for s in stamps),
+        stage_ms=_stage_ms([timings.get(s) for s in stamps]),
     )
 
 
@@ -67,3 +70,10 @@ def _by_stamp(rows: Gathered, topic: str, kind: type[R]) -> dict[int, R]:
 def _poses(rows: Sequence[log.Pose | log.Truth | None]) -> FloatArray:
     values = [(np.nan,) * 3 if row is None else (row.x, row.y, row.heading) for row in rows]
     return np.array(values, dtype=np.float64).reshape(-1, 3)
+
+
+def _stage_ms(timings: Sequence[log.Timings | None]) -> dict[str, FloatArray]:
+    """Return the milliseconds (N,) by stage, NaN where a step has none."""
+    rows = [{} if one is None else {score.name: score.value for score in one.stages} for one in timings]
+    names = dict.fromkeys(name for row in rows for name in row)
+    return {name: np.array([row.get(name, np.nan) for row in rows]) for name in names}

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from topomap.geometry import FloatArray
 from topomap.study.figures_closures import closure_map
+from topomap.study.figures_cost import step_cost
 from topomap.study.figures_differences import image_difference, place_difference
 from topomap.study.figures_errors import position_error
 from topomap.study.figures_home import way_home
@@ -71,6 +72,10 @@ def _no_journey(run: RunData) -> str | None:
     return _no_truth(run) or (None if reference_route(run) is not None else "the stack never had the wheels")
 
 
+def _no_timings(run: RunData) -> str | None:
+    return None if any(map(_some, run.stage_ms.values())) else "no timings were logged"
+
+
 def _some(values: FloatArray | None) -> bool:
     return values is not None and bool(np.isfinite(values).any())
 
@@ -127,5 +132,11 @@ FIGURES: tuple[FigureKind, ...] = (
         "The true path after hand-over, the milestones that were planned and the goal.",
         way_home,
         _no_journey,
+    ),
+    FigureKind(
+        "Cost of a step",
+        "The stack's own time for each step as the map grows; dashed, the means of its stages.",
+        step_cost,
+        _no_timings,
     ),
 )
