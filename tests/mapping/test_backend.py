@@ -11,7 +11,17 @@ from ring import TRUE, Ring, ate, blinded, ring
 
 from topomap.errors import TopomapError
 from topomap.geometry import Pose2, wrap_all
-from topomap.mapping.backend import ClosureEdge, Closures, OdometryEdge, Problem, TurnEdge, solve
+from topomap.mapping.backend import (
+    ClosureEdge,
+    Closures,
+    OdometryEdge,
+    Problem,
+    Slices,
+    Solution,
+    TurnEdge,
+    solve,
+    solving,
+)
 from topomap.mapping.backend.blocks import Blocks, closure_blocks
 from topomap.mapping.backend.state import Graph, State
 from topomap.mapping.odometry import Calibration, Increments
@@ -188,3 +198,26 @@ def test_clear_lines_for_bad_input() -> None:
         replace(good, odometry=(good.odometry[0], good.odometry[4]))
     with pytest.raises(TopomapError, match="isn't determined"):
         solve(Problem(np.zeros((3, 3)), (OdometryEdge(0, 1, parked()),)))
+
+
+def test_closures_that_were_out_before_dont_make_a_solve_begin_afresh() -> None:
+    made = ring(2, false=0.3).problem
+    found = solve(made)
+    out = found.closure_weights < 0.5
+    assert out.any()
+    again = replace(made, poses=found.poses + 0.002, calibration=found.calibration)
+    (begun, slow), (followed, quick) = (drained(solving(again, doubted=doubted)) for doubted in (None, out))
+    assert quick < slow
+    assert np.allclose(followed.poses, begun.poses, atol=0.01)
+    assert np.array_equal(followed.closure_weights, begun.closure_weights)
+
+
+def drained(slices: Slices[Solution]) -> tuple[Solution, int]:
+    """Return what a solve found and how many slices it took."""
+    count = 0
+    while True:
+        try:
+            next(slices)
+            count += 1
+        except StopIteration as end:
+            return end.value, count

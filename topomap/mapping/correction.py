@@ -20,6 +20,7 @@ from topomap.mapping.backend import (
     solve_recent,
     solving,
 )
+from topomap.mapping.backend.condense import BoolArray
 from topomap.mapping.backend.problem import PRIOR_SIGMAS
 from topomap.mapping.calibration import calibration_state
 from topomap.mapping.graph import TopoMap
@@ -110,7 +111,12 @@ class Correction:
     def _start(self) -> None:
         self._solved_nodes = self._whole_nodes = len(self._map.nodes)
         self._surprise, self._heard = 0.0, len(self._closures)
-        self._running = solving(self._problem(), self._s.backend)
+        self._running = solving(self._problem(), self._s.backend, self._doubted() if self._large else None)
+
+    def _doubted(self) -> BoolArray:
+        """Return which closures (M,) the map does without."""
+        on_map = {(c.i, c.j) for c in self._map.closures}
+        return np.array([(edge.i, edge.j) not in on_map for edge, _ in self._closures], bool)
 
     def _advance(self, stamp_ns: int, ledger: Ledger) -> tuple[bool, list[Decision]]:
         """Do one slice of a large map's solve, or all of a small one's; apply a better result at the end."""

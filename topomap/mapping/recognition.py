@@ -89,12 +89,23 @@ class Recognition:
         """
         view = signature(panorama)
         self._learn(view, travel)
-        rivals = self._matches(*self._index.search(view, self._s.shortlist, self._old(travel)))
-        places = self._worth_comparing(view, reachable, travel)
-        matches = self._matches(places, self._index.compare(view, places))
+        matches, rivals = self._search(view, travel, reachable)
         differences = {match.node: match.difference for match in matches}
         self._recent.append(Moment(stamp_ns, travel, panorama, matches, rivals, differences))
         return rivals[0] if rivals else None
+
+    def _search(
+        self, view: Signature, travel: float, reachable: IntArray
+    ) -> tuple[tuple[PlaceMatch, ...], tuple[PlaceMatch, ...]]:
+        """Return the reachable places, of too many those that look most alike, and the likeliest ones anywhere."""
+        s, old = self._s, self._old(travel)
+        if len(reachable) > s.compared:
+            likely = self._matches(*self._index.search(view, max(s.compared, s.shortlist), old))
+            within = set(reachable.tolist())
+            return tuple(match for match in likely if match.node in within), likely[: s.shortlist]
+        places = np.searchsorted(np.array(self._nodes), reachable)
+        rivals = self._matches(*self._index.search(view, s.shortlist, old))
+        return self._matches(places, self._index.compare(view, places)), rivals
 
     @property
     def limit(self) -> float:
@@ -107,14 +118,6 @@ class Recognition:
         if last > first:
             differences = self._index.compare(view, np.arange(first, last)).difference
             self._usual.append(float(np.median(differences)))
-
-    def _worth_comparing(self, view: Signature, reachable: IntArray, travel: float) -> IntArray:
-        """Return the index places of the reachable nodes; of too many, those that look most alike."""
-        places: IntArray = np.searchsorted(np.array(self._nodes), reachable)
-        if len(places) <= self._s.compared:
-            return places
-        likely, _ = self._index.search(view, self._s.compared, self._old(travel))
-        return np.intersect1d(places, likely)
 
     def _matches(self, places: IntArray, found: RotationDifferences) -> tuple[PlaceMatch, ...]:
         return tuple(

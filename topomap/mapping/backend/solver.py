@@ -9,6 +9,7 @@ import numpy as np
 
 from topomap.errors import TopomapError
 from topomap.geometry import FloatArray
+from topomap.mapping.backend.condense import BoolArray
 from topomap.mapping.backend.problem import Problem, Solution
 from topomap.mapping.backend.schedule import Schedule, Weighing
 from topomap.mapping.backend.settings import BackendSettings
@@ -37,15 +38,20 @@ def solve(problem: Problem, settings: BackendSettings | None = None) -> Solution
             return solution
 
 
-def solving(problem: Problem, settings: BackendSettings | None = None) -> Slices[Solution]:
-    """Do what `solve` does, at most one Gauss-Newton step a slice: whoever has other work does it in between."""
+def solving(
+    problem: Problem, settings: BackendSettings | None = None, doubted: BoolArray | None = None
+) -> Slices[Solution]:
+    """Do what `solve` does, at most one Gauss-Newton step a slice: whoever has other work does it in between.
+
+    doubted (M,): closures that were out when the start was found. Where all others fit the start nothing is annealed.
+    """
     chosen = settings or BackendSettings()
     graph = Graph(problem, chosen.turn_cutoff)
     yield
     start = graph.start()
     at_start = graph.linearise(start)
     before = graph.truncated_error(at_start, chosen.cutoff)
-    state, at, iterations = yield from _best(graph, start, at_start, chosen)
+    state, at, iterations = yield from _best(graph, start, at_start, chosen, doubted)
     after = graph.truncated_error(at, chosen.cutoff)
     improved = bool(np.isfinite(after) and after < before - 1e-9) and _credible(graph, at, chosen)
     if not improved:
@@ -73,9 +79,12 @@ def _chi2(graph: Graph, at: Linearised) -> FloatArray:
     return at.closures.chi2() / np.maximum(graph.problem.closures.weight, 1e-12)
 
 
-def _best(graph: Graph, start: State, at: Linearised, settings: BackendSettings) -> Slices[End]:
+def _best(
+    graph: Graph, start: State, at: Linearised, settings: BackendSettings, doubted: BoolArray | None
+) -> Slices[End]:
     """Return the better end of two ways: all that odometry allows, or first those that support one another."""
-    if bool(inliers(graph, at, settings.cutoff).all()):
+    fitting = inliers(graph, at, settings.cutoff) > 0
+    if bool((fitting if doubted is None else fitting | doubted).all()):
         return (yield from _settle(graph, start, at, settings, 0))
     yield
     schedule = Schedule(graph, settings)
