@@ -98,6 +98,16 @@ def test_export_writes_what_other_tools_read(finished: tuple[Path, dict[str, Any
     assert graph.count("EDGE_SE2") == len(topo.nodes) - 1 + len(closures)
 
 
+def test_the_audit_trail_agrees_with_the_summary(finished: tuple[Path, dict[str, Any]], tmp_path: Path) -> None:
+    folder, summary = finished
+    found = {}
+    for words in ((), ("--verdict", "accepted"), ("--false", "--verdict", "accepted")):
+        done = topomap("closures", str(folder / "run.mcap"), *words, cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        found[words] = int(done.stdout.split()[0])
+    assert tuple(found.values()) == tuple(summary["closures"][name] for name in ("proposed", "accepted", "false"))
+
+
 def test_ctrl_c_stops_the_wheels_closes_the_log_and_writes_the_summary(tmp_path: Path) -> None:
     words = [sys.executable, "-m", "topomap", "run", "room-corridor", "--out", "cut"]
     process = subprocess.Popen(words, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE)

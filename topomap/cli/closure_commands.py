@@ -82,9 +82,9 @@ def _rows(run: RunData, verdict: Verdict | None, false: bool, limit: int) -> Non
     from topomap.app import closures as trail
 
     rows = trail.table(run, verdict, false)
-    console.print(f"{len(rows)} closure candidates of {run.world}", soft_wrap=True, highlight=False)
+    _line(f"{len(rows)} closure candidates of {run.world}")
     # one line a candidate however long, so that it can be searched
-    console.print("  ".join(f"{name:<{width}}" for name, width in COLUMNS), soft_wrap=True, highlight=False)
+    _line("  ".join(f"{name:<{width}}" for name, width in COLUMNS))
     for row in rows[: limit or None]:
         cells = (
             row.time,
@@ -97,10 +97,14 @@ def _rows(run: RunData, verdict: Verdict | None, false: bool, limit: int) -> Non
             row.scores,
             row.reason,
         )
-        line = "  ".join(f"{cell:<{width}}" for cell, (_, width) in zip(cells, COLUMNS, strict=True))
-        console.print(line.rstrip(), soft_wrap=True, markup=False, highlight=False)
+        _line("  ".join(f"{cell:<{width}}" for cell, (_, width) in zip(cells, COLUMNS, strict=True)).rstrip())
     if limit and len(rows) > limit:
         console.print(f"{len(rows) - limit} more")
+
+
+def _line(text: str) -> None:
+    """Print one line as it is: without markup, as brackets are units here."""
+    console.print(text, soft_wrap=True, markup=False, highlight=False)
 
 
 def _evaluate(run: RunData, out: Path) -> None:
