@@ -12,7 +12,7 @@ from topomap.mapping.album import Album
 from topomap.mapping.backend.problem import ClosureEdge
 from topomap.mapping.correction import Correction
 from topomap.mapping.evidence import GateSettings, OdometryGate
-from topomap.mapping.ledger import Ledger
+from topomap.mapping.ledger import Ledger, key_of
 from topomap.mapping.odometry import IntArray
 from topomap.mapping.offset import ClosureOffset, OffsetSettings
 from topomap.mapping.quorum import Quorum, QuorumSettings
@@ -54,20 +54,37 @@ class Closing:
         self._gate = OdometryGate(settings.gate)
         self._offset = ClosureOffset(settings.offset)
         self._quorum = Quorum(settings.quorum, survey.map)
+        self._testimonies: list[tuple[Candidate, bool, str]] = []
         self._ways = Ways(survey.map, correction, settings.offset.position_sigma, settings.gate.probability)
 
     def within_reach(self, nodes: IntArray) -> IntArray:
         """Return those of some older nodes (n,) at which odometry allows the robot to be now."""
         return self._ways.within_reach(self._survey.pose, nodes)
 
+    def testify(self, candidate: Candidate, agrees: bool, reason: str) -> None:
+        """Take what an active check saw of a pending candidate; it counts in the next step."""
+        self._testimonies.append((candidate, agrees, reason))
+
     def judge(self, stamp_ns: int, proposal: Proposal | None) -> tuple[Decision, ...]:
         """Return the verdicts of this step, on a proposal and on what waited for it; all are kept in the ledger."""
         late = self._quorum.expired(self._survey.travel)
         reason = "no other closure agreed in time, and odometry leaves several places open"
         decisions = [self._ledger.decide(stamp_ns, c, Verdict.REFUSED, reason) for c in late]
+        for testimony in self._testimonies:
+            decisions += self._hear(stamp_ns, *testimony)
+        self._testimonies.clear()
         if proposal is not None:
             decisions += self._by_sight(stamp_ns, proposal)
         return tuple(decisions)
+
+    def _hear(self, stamp_ns: int, candidate: Candidate, agrees: bool, reason: str) -> list[Decision]:
+        """Refuse a candidate that still waits, or let it vote once more."""
+        if self._ledger.verdict(key_of(candidate)) is not Verdict.PENDING:
+            return []
+        self._quorum.drop(candidate)
+        if not agrees:
+            return [self._ledger.decide(stamp_ns, candidate, Verdict.REFUSED, reason)]
+        return self._vote(stamp_ns, replace(candidate, scores={**candidate.scores, "active": 1.0}), f"; {reason}")
 
     def _by_sight(self, stamp_ns: int, proposal: Proposal) -> list[Decision]:
         """Compare the likeliest places in detail; a clear winner goes on to the odometry's test.
@@ -82,8 +99,11 @@ class Closing:
             proposal.moment.panorama, proposal.places, rivals, self._album.panorama, self._map.length
         )
         objection = outcome.objection
-        if not objection and outcome.winner.match.node not in proposal.moment.difference:
+        match = outcome.winner.match
+        if not objection and match.node not in proposal.moment.difference:
             objection = "the place most alike is out of the odometry's reach"
+        if not objection and match.difference > proposal.limit:
+            objection = f"the view is as unlike it as other places are ({match.difference:.2f} > {proposal.limit:.2f})"
         if objection:
             candidate = self._candidate(proposal, outcome, Pose2(0.0, 0.0, outcome.winner.alignment.rotation))
             return [self._ledger.decide(stamp_ns, candidate, Verdict.REFUSED, objection)]
@@ -122,11 +142,15 @@ class Closing:
             return [self._ledger.decide(stamp_ns, candidate, Verdict.REFUSED, finding.reason)]
         if not open_places:
             return [self._accept(stamp_ns, candidate, finding.reason)]
+        return self._vote(stamp_ns, candidate)
+
+    def _vote(self, stamp_ns: int, candidate: Candidate, more: str = "") -> list[Decision]:
+        """Accept a candidate with all that agree, or let it wait; more: what else there is to say of it."""
         agreeing = self._quorum.add(candidate)
         if not agreeing:
-            reason = "odometry leaves several places open: waits for others that agree"
+            reason = f"odometry leaves several places open: waits for others that agree{more}"
             return [self._ledger.decide(stamp_ns, candidate, Verdict.PENDING, reason)]
-        return [self._accept(stamp_ns, c, f"{len(agreeing)} closures agree") for c in agreeing]
+        return [self._accept(stamp_ns, c, f"{len(agreeing)} closures agree{more}") for c in agreeing]
 
     def _accept(self, stamp_ns: int, candidate: Candidate, reason: str) -> Decision:
         assert candidate.query is not None
