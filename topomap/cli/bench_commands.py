@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from topomap.cli.console import console, progress
+from topomap.cli.console import console, progress, show_wide
 
 if TYPE_CHECKING:
     from topomap.study.homing_bench import Table
@@ -72,7 +72,7 @@ def show(found: Table) -> None:
     for row in found.rows:
         if row.unfit is None:
             shown.add_row(*cells(row))
-    console.print(shown)
+    show_wide(shown)
     for reason, names in unfit(found).items():
         console.print(f"Left out, {reason}: {', '.join(names)}")
 
@@ -146,4 +146,4 @@ def _grid(title: str, headings: tuple[str, ...], rows: Sequence[tuple[str, ...]]
         shown.add_column(name, overflow="fold")
     for row in rows:
         shown.add_row(*row)
-    console.print(shown)
+    show_wide(shown)

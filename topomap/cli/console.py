@@ -12,6 +12,8 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
+WIDE = 200  # columns of a table in a pipe, which has no width of its own
+
 console = Console()
 Advance = Callable[[int], None]
 
@@ -32,6 +34,11 @@ def table(rows: list[tuple[str, str]], title: str) -> None:
     for name, value in rows:
         shown.add_row(name, value)
     console.print(shown)
+
+
+def show_wide(shown: Table) -> None:
+    """Print a table of many columns: as wide as the terminal, in a pipe so that nothing is cut."""
+    (console if console.is_terminal else Console(file=console.file, width=WIDE)).print(shown)
 
 
 def fail(message: str) -> None:

@@ -7,11 +7,10 @@ from pathlib import Path
 import typer
 
 from topomap.cli.bench_commands import benches
-from topomap.cli.console import console
+from topomap.cli.console import console, show_wide
 
 HEADINGS = ("graph", "false", "method", "runs", "stopped", "precision, least", "false kept, most", "recall",
             "recall, least", "ATE [m]", "odometry [m]", "time [s]")  # fmt: skip
-WIDEST = 170  # a pipe tells no width, and a cut table is worth nothing
 
 
 def add_to(app: typer.Typer) -> None:
@@ -30,7 +29,6 @@ def graphs(
     out: Path = typer.Option(Path("runs") / "bench" / "graphs", help="Folder for table and figure."),
 ) -> None:
     """Inject false closures into pose graphs: precision, recall, error and time beside gtsam's optimisers."""
-    from rich.console import Console
     from rich.table import Table
 
     from topomap.app import graph_bench
@@ -53,7 +51,7 @@ def graphs(
     shown = Table(*HEADINGS, title=title, title_justify="left")
     for line in graph_bench.table(rows):
         shown.add_row(*line)
-    Console(file=console.file, width=max(console.width, WIDEST)).print(shown)
+    show_wide(shown)
     for path in graph_bench.write_bench(rows, out):
         console.print(str(path), soft_wrap=True)
 

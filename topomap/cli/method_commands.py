@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import typer
-from rich.console import Console
 from rich.table import Table
 
-from topomap.cli.console import console
+from topomap.cli.console import console, show_wide
 
 
 def add_to(app: typer.Typer) -> None:
@@ -27,8 +26,7 @@ def methods(
     for entry in chosen:
         homes = {True: "yes", False: "no", None: ""}[entry.homes]
         shown.add_row(entry.row, entry.name, entry.family, entry.kind, entry.needs, homes, entry.source, entry.defaults)
-    # a pipe has no width of its own: names must not be cut there
-    (console if console.is_terminal else Console(width=200)).print(shown)
+    show_wide(shown)
     console.print(f"{len(chosen)} entries")
 
 
