@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -43,6 +44,24 @@ def test_places_that_hardly_beat_their_rivals_need_more_of_them() -> None:
     quorum = Quorum(QuorumSettings(clear=0.6), road(False))
     found = [quorum.add(candidate(20 + k, k, 0.0, ratio=0.8)) for k in range(6)]  # half a vote each
     assert [len(some) for some in found] == [0, 0, 0, 0, 0, 6]
+
+
+def test_an_active_check_is_a_further_vote() -> None:
+    quorum = Quorum(QuorumSettings(), road(False))
+    first, second = candidate(22, 2, 0.0), candidate(24, 4, 0.0)
+    assert quorum.add(first) == ()
+    assert quorum.add(second) == ()
+    quorum.drop(first)
+    checked = replace(first, scores={**first.scores, "active": 1.0})
+    assert quorum.add(checked) == (second, checked)
+
+
+def test_what_was_dropped_supports_nothing() -> None:
+    quorum = Quorum(QuorumSettings(votes=2), road(False))
+    first = candidate(22, 2, 0.0)
+    quorum.add(first)
+    quorum.drop(first)
+    assert quorum.add(candidate(24, 4, 0.0)) == ()
 
 
 def test_look_alikes_at_random_places_never_agree() -> None:

@@ -13,6 +13,7 @@ from logs.config import LogConfig
 from sim2d.config import SimConfig
 from topomap.errors import ConfigError
 from topomap.mapping.mapper import MapperSettings
+from topomap.navigation.active_check import ActiveSettings
 from topomap.navigation.mission import MissionSettings
 from topomap.navigation.traveller import TravelSettings
 
@@ -23,6 +24,7 @@ class StackConfig(BaseModel, frozen=True, extra="forbid"):
     mapper: MapperSettings = MapperSettings()
     mission: MissionSettings = MissionSettings()
     travel: TravelSettings = TravelSettings()
+    active: ActiveSettings = ActiveSettings()
 
 
 class RunConfig(BaseModel, frozen=True, extra="forbid"):

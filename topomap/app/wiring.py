@@ -7,9 +7,11 @@ from importlib.metadata import version
 
 from topomap.app.config import StackConfig
 from topomap.mapping.mapper import Mapper
+from topomap.navigation.active_check import ActiveCheck
 from topomap.navigation.localiser import Localiser
 from topomap.navigation.mission import Mission
 from topomap.navigation.navigator import Navigator
+from topomap.navigation.pilot import Pilot
 from topomap.navigation.traveller import Traveller
 from topomap.vision.alignment.min_warping import MinWarpingCompass
 
@@ -20,7 +22,8 @@ def build_navigator(config: StackConfig) -> Navigator:
     """Return a fresh stack with the default methods: min-warping as compass and for homing."""
     homing = MinWarpingCompass()
     mapper = Mapper(config.mapper, homing)
-    return Navigator(mapper, Localiser(), Mission(config.mission), Traveller(config.travel, homing))
+    active = ActiveCheck(config.active, Pilot(config.travel.pilot), homing)
+    return Navigator(mapper, Localiser(), Mission(config.mission), Traveller(config.travel, homing), active)
 
 
 def versions() -> dict[str, str]:

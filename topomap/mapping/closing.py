@@ -150,7 +150,8 @@ class Closing:
         if not agreeing:
             reason = f"odometry leaves several places open: waits for others that agree{more}"
             return [self._ledger.decide(stamp_ns, candidate, Verdict.PENDING, reason)]
-        return [self._accept(stamp_ns, c, f"{len(agreeing)} closures agree{more}") for c in agreeing]
+        checked = ", and an active check" if any("active" in c.scores for c in agreeing) else ""
+        return [self._accept(stamp_ns, c, f"{len(agreeing)} closures agree{checked}{more}") for c in agreeing]
 
     def _accept(self, stamp_ns: int, candidate: Candidate, reason: str) -> Decision:
         assert candidate.query is not None

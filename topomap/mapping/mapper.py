@@ -13,7 +13,7 @@ from topomap.mapping.ledger import Ledger
 from topomap.mapping.recognition import Recognition, RecognitionSettings
 from topomap.mapping.snapshots import SnapshotSettings, View, make_rule
 from topomap.mapping.survey import Survey
-from topomap.types import Decision, MapChange, NodeAdded, PlaceMatch
+from topomap.types import Candidate, Decision, MapChange, NodeAdded, PlaceMatch
 from topomap.vision.compare import rotation_difference, signature
 from topomap.vision.panorama import Panorama
 
@@ -62,6 +62,10 @@ class Mapper:
             solved,
             self.correction.state if solved else None,
         )
+
+    def testify(self, candidate: Candidate, agrees: bool, reason: str) -> None:
+        """Take what an active check saw of a pending closure; its verdict comes with the next step."""
+        self._closing.testify(candidate, agrees, reason)
 
     def finish(self, stamp_ns: int) -> None:
         """End the map at the last reading, so that every step lies on it, and correct it a last time."""

@@ -42,6 +42,10 @@ class Quorum:
         self._waiting = [c for c in self._waiting if c not in agreeing and c is not candidate]
         return (*agreeing, candidate)
 
+    def drop(self, candidate: Candidate) -> None:
+        """Forget one that waits."""
+        self._waiting = [c for c in self._waiting if c is not candidate]
+
     def expired(self, travel: float) -> tuple[Candidate, ...]:
         """Return and forget those that nothing supported in time; `travel`: the raw odometer way now [m]."""
         late = tuple(c for c in self._waiting if travel - self._travel(c) > self._s.within)
@@ -49,8 +53,9 @@ class Quorum:
         return late
 
     def _weight(self, candidate: Candidate) -> float:
-        """Return how much of a vote a candidate is, in [0, 1]."""
-        return min(1.0, (1.0 - candidate.scores.get("ratio", 0.0)) / (1.0 - self._s.clear))
+        """Return how much of a vote a candidate is, in [0, 1], and one more if an active check speaks for it."""
+        clear = min(1.0, (1.0 - candidate.scores.get("ratio", 0.0)) / (1.0 - self._s.clear))
+        return clear + candidate.scores.get("active", 0.0)
 
     def _agree(self, a: Candidate, b: Candidate) -> bool:
         """Whether b lies where a and the odometry between them say."""

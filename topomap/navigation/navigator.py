@@ -4,22 +4,26 @@ from __future__ import annotations
 
 from topomap.contract import Reading
 from topomap.mapping.mapper import Mapper
+from topomap.navigation.active_check import ActiveCheck
 from topomap.navigation.localiser import Localiser
 from topomap.navigation.mission import Mission
 from topomap.navigation.stopwatch import Stopwatch
 from topomap.navigation.traveller import Traveller
-from topomap.types import Command, StepRecord
+from topomap.types import Command, Phase, StepRecord
 from topomap.vision.panorama import Panorama
 
 
 class Navigator:
     """Maps, localises, decides and steers; knows no files, no bars, no plots and never the truth."""
 
-    def __init__(self, mapper: Mapper, localiser: Localiser, mission: Mission, traveller: Traveller) -> None:
+    def __init__(
+        self, mapper: Mapper, localiser: Localiser, mission: Mission, traveller: Traveller, active: ActiveCheck
+    ) -> None:
         self.mapper = mapper
         self._localiser = localiser
         self._mission = mission
         self._traveller = traveller
+        self._active = active
 
     @property
     def over(self) -> bool:
@@ -36,7 +40,11 @@ class Navigator:
         where = self._localiser.update(self.mapper, change)
         goal = self._mission.goal(reading.driven, self.mapper.map)
         watch.lap("localise")
-        command, travel = self._traveller.step(panorama, self.mapper.survey.turn, where, goal, self.mapper)
+        checked = self._active.step(panorama, reading.contact, self.mapper) if goal.phase is Phase.TRAVEL else None
+        if checked is not None:
+            self._traveller.pause()
+        turn = self.mapper.survey.turn
+        command, travel = checked or self._traveller.step(panorama, turn, where, goal, self.mapper)
         self._mission.report(travel)
         watch.lap("travel")
         return command, StepRecord(

@@ -62,6 +62,10 @@ class Traveller:
                 return Command(), Travel(Phase.FAILED, note=failure)
         return self._travel(panorama, turn, where, goal.node, mapper)
 
+    def pause(self) -> None:
+        """Begin the leg anew when travelling goes on: something else has the wheels."""
+        self._leg = None
+
     def _travel(
         self, panorama: Panorama, turn: float, where: Where, goal: int, mapper: Mapper
     ) -> tuple[Command, Travel]:

@@ -1,0 +1,140 @@
+"""The active check: what falls votes, what rises is refused, what is stopped or says nothing goes on waiting."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from types import SimpleNamespace
+from typing import cast
+
+import numpy as np
+import pytest
+
+from topomap.geometry import Pose2
+from topomap.mapping.ledger import Ledger
+from topomap.mapping.mapper import Mapper
+from topomap.navigation import active_check
+from topomap.navigation.active_check import ActiveCheck, ActiveSettings
+from topomap.navigation.pilot import Pilot, PilotSettings
+from topomap.rig import Rig
+from topomap.types import Alignment, Candidate, HomeVector, Verdict
+from topomap.vision.panorama import Panorama
+
+RIG = Rig(width=72, height=2, horizon_row=0.5, focal=72 / math.tau)
+
+
+@dataclass(frozen=True)
+class Ahead:
+    """Says that the goal lies straight ahead."""
+
+    confidence: float = 1.0
+
+    def align(self, current: Panorama, goal: Panorama, prior: float | None = None) -> Alignment:
+        return Alignment(0.0, 0.0, HomeVector(0.0, None, self.confidence))
+
+
+@dataclass
+class Field:
+    """A robot that moves as it is told, a ledger with one pending candidate, and what the mapper is told."""
+
+    pending_at: float = 0.0
+    ledger: Ledger = field(default_factory=Ledger)
+    told: list[tuple[bool, str]] = field(default_factory=list)
+    way: float = 0.0
+
+    def __post_init__(self) -> None:
+        candidate = Candidate(9, 0, 1, Pose2(), np.eye(3), query=1)
+        self.ledger.decide(9, candidate, Verdict.PENDING, "waits")
+
+    def mapper(self) -> Mapper:
+        survey = SimpleNamespace(travel=self.way, turn=0.0, pose=Pose2())
+        topo = SimpleNamespace(nodes=[None, SimpleNamespace(travel=self.pending_at)], pose=lambda node: Pose2())
+        album = SimpleNamespace(panorama=lambda node: view())
+        tell = lambda candidate, agrees, reason: self.told.append((agrees, reason))  # noqa: E731
+        return cast(Mapper, SimpleNamespace(survey=survey, map=topo, album=album, ledger=self.ledger, testify=tell))
+
+
+def view(room: float = 9.0) -> Panorama:
+    """A view with so much room ahead [m], and plenty elsewhere."""
+    ranges = np.full(72, 9.0, np.float32)
+    ranges[[*range(-6, 7)]] = room
+    return Panorama(np.zeros((2, 72, 3), np.uint8), ranges, RIG)
+
+
+@pytest.fixture
+def homed(monkeypatch: pytest.MonkeyPatch) -> Callable[..., tuple[Field, list[str]]]:
+    """Home through a field of differences by way; returns the field and the notes of the steps."""
+
+    def home(
+        difference: Callable[[float], float],
+        settings: ActiveSettings | None = None,
+        room: float = 9.0,
+        confidence: float = 1.0,
+        contact_at: int = -1,
+        pending_at: float = 0.0,
+    ) -> tuple[Field, list[str]]:
+        place, notes = Field(pending_at), []
+        monkeypatch.setattr(active_check, "aligned_difference", lambda *_: difference(place.way))
+        check = ActiveCheck(settings or ActiveSettings(on=True), Pilot(PilotSettings()), Ahead(confidence))
+        for step in range(200):
+            done = check.step(view(room), step == contact_at, place.mapper())
+            if done is None:
+                break
+            place.way += done[0].forward * 0.25
+            notes.append(done[1].note)
+        return place, notes
+
+    return home
+
+
+def test_a_difference_that_falls_is_a_vote(homed: Callable[..., tuple[Field, list[str]]]) -> None:
+    place, notes = homed(lambda way: 0.8 - way)
+    assert [agrees for agrees, _ in place.told] == [True]
+    assert "active check: homing" in place.told[0][1]
+    assert place.way < 0.6, "it stops when it has seen enough"
+    assert notes[0] == "active check"
+
+
+def test_a_difference_that_rises_refuses(homed: Callable[..., tuple[Field, list[str]]]) -> None:
+    place, _ = homed(lambda way: 0.5 + way)
+    assert [agrees for agrees, _ in place.told] == [False]
+    assert place.way == pytest.approx(0.6, abs=0.06)
+
+
+@pytest.mark.parametrize(
+    "difference", [lambda way: 0.6, lambda way: 0.6 - 0.1 * way, lambda way: 0.6 + 0.2 * math.sin(20 * way)]
+)
+def test_what_neither_falls_nor_rises_says_nothing(
+    homed: Callable[..., tuple[Field, list[str]]], difference: Callable[[float], float]
+) -> None:
+    place, notes = homed(difference)
+    assert not place.told
+    assert "undecided" in notes[-1]
+
+
+@pytest.mark.parametrize(
+    ("trouble", "says"),
+    [
+        ({"room": 0.3}, "something stands in the way"),
+        ({"contact_at": 3}, "contact"),
+        ({"confidence": 0.0}, "no home vector"),
+        ({"settings": ActiveSettings(on=True, steps=3)}, "undecided"),
+    ],
+)
+def test_what_is_stopped_says_nothing_even_if_the_difference_rose(
+    homed: Callable[..., tuple[Field, list[str]]], trouble: dict[str, object], says: str
+) -> None:
+    place, notes = homed(lambda way: 0.5 + way, **trouble)
+    assert not place.told
+    assert "undecided" in notes[-1]
+    assert says in notes[-1]
+
+
+def test_each_candidate_is_checked_once_and_none_far_behind_or_when_off(
+    homed: Callable[..., tuple[Field, list[str]]],
+) -> None:
+    _, notes = homed(lambda way: 0.6)
+    assert sum("undecided" in note for note in notes) == 1
+    assert homed(lambda way: 0.8 - way, pending_at=-2.0)[1] == []
+    assert homed(lambda way: 0.8 - way, ActiveSettings())[1] == []
