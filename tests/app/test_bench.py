@@ -8,6 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 from topomap.app.bench import available, parse_point, parse_seeds, request, run_study
+from topomap.app.graph_bench import find_graph
 from topomap.app.views import WorldViews, world_arena, world_recipe
 from topomap.cli.main import app
 from topomap.errors import DataError, TopomapError
@@ -110,3 +111,8 @@ def test_options_of_the_views_are_understood_or_refused() -> None:
 
 def test_the_identity_of_a_world_knows_its_code() -> None:
     assert len(world_recipe("ourlab", 0).identity) == 128
+
+
+def test_an_unknown_pose_graph_is_one_clear_line() -> None:
+    with pytest.raises(DataError, match="no pose graph 'nowhere': neither a file nor"):
+        find_graph("nowhere")

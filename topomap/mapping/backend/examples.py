@@ -13,5 +13,5 @@ def example(name: str) -> Path:
     """Return the file of one of gtsam's example graphs, e.g. w10000; raises DataError."""
     try:
         return Path(str(gtsam.findExampleDataFile(name)))  # type: ignore[no-untyped-call]
-    except (RuntimeError, ValueError) as error:
+    except (RuntimeError, ValueError, OSError) as error:
         raise DataError(f"gtsam has no example graph '{name}'") from error
