@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 from sim2d import worlds
 from topomap.app.views import world_recipe
+from topomap.app.words import parse_point, parse_seeds
 from topomap.errors import DataError
 from topomap.study.datasets.image_grid import grid_recipe
 from topomap.study.homing_arena import Point, Recipe
@@ -80,33 +80,6 @@ def write_bench(tables: Sequence[Table], folder: Path) -> list[Path]:
         save(sheet(table), own / "sheet.png")
         written.append(own)
     return written
-
-
-def cores() -> int:
-    """Return how many cores this process may use."""
-    return len(os.sched_getaffinity(0))
-
-
-def parse_seeds(text: str) -> list[int]:
-    """Return the seeds of "0-4", "3" or "0,2,5". Raises DataError."""
-    found: list[int] = []
-    for part in text.split(","):
-        first, dash, last = part.strip().partition("-")
-        if not first.isdigit() or (dash and not last.isdigit()) or (dash and int(last) < int(first)):
-            raise DataError(f"--seeds {text}: expected numbers like 0-4, 3 or 0,2,5")
-        found += range(int(first), int(last or first) + 1)
-    return list(dict.fromkeys(found))
-
-
-def parse_point(text: str | None) -> Point | None:
-    """Return the point [m] of "X,Y", None for none. Raises DataError."""
-    if text is None:
-        return None
-    try:
-        x, y = (float(part) for part in text.split(","))
-    except ValueError:
-        raise DataError(f"--home {text}: expected X,Y in metres, as in 2.0,1.4") from None
-    return x, y
 
 
 def _grid_seeds(settings: BenchSettings, seeds: str) -> list[int]:

@@ -46,6 +46,7 @@ def homing(
 ) -> None:
     """Home vectors of all methods from every place of a grid: errors, catchment, success, time; with pictures."""
     from topomap.app import bench
+    from topomap.app.words import cores
     from topomap.study.homing_bench import BenchSettings
     from topomap.study.homing_pool import Store, default_folder
 
@@ -53,7 +54,7 @@ def homing(
     asked = bench.request(env, grid, methods, seeds, home, settings, view)
     store = Store(None if fresh else default_folder())
     with progress("homing", asked.steps) as advance:
-        tables = bench.run_bench(asked, store, jobs or bench.cores(), advance)
+        tables = bench.run_bench(asked, store, jobs or cores(), advance)
     for found in tables:
         show(found)
     for folder in bench.write_bench(tables, out):
@@ -96,12 +97,13 @@ def study(
 ) -> None:
     """Repeat one of the thesis's experiments; write its figure and the figures behind it."""
     from topomap.app import bench
+    from topomap.app.words import cores
     from topomap.study.homing_pool import Store, default_folder
 
     store = Store(None if fresh else default_folder())
     for one in [one.name for one in bench.available()] if name == "all" else [name]:
         with progress(one, None) as advance:
-            written = bench.run_study(one, seeds, store, jobs or bench.cores(), advance, out)
+            written = bench.run_study(one, seeds, store, jobs or cores(), advance, out)
         for path in written:
             console.print(str(path), soft_wrap=True)
 
@@ -117,12 +119,13 @@ def places(
 ) -> None:
     """Place recognition and compass of every aligner on real photographs."""
     from topomap.app import bench
+    from topomap.app.words import cores
     from topomap.study.homing_pool import Store, default_folder
     from topomap.study.places import names
 
     store = Store(None if fresh else default_folder())
     with progress("places", len(names())) as advance:
-        scores = bench.run_places(folder, spacing, stride, store, jobs or bench.cores(), advance, out)
+        scores = bench.run_places(folder, spacing, stride, store, jobs or cores(), advance, out)
     rows = [
         (s.aligner, f"{s.place_error_m:.2f}", f"{s.floor_m:.2f}", f"{s.compass_median_deg:.1f}",
          f"{s.compass_mean_deg:.1f}", f"{s.ms:.2f}")

@@ -32,6 +32,7 @@ def graphs(
     from rich.table import Table
 
     from topomap.app import graph_bench
+    from topomap.app.words import parse_seeds
     from topomap.mapping.backend.peers import PEERS
     from topomap.study.graph_bench import PeerLimits
 
@@ -42,7 +43,7 @@ def graphs(
     with console.status("measuring") as status:
         rows = graph_bench.run_bench(
             found,
-            _seeds(seeds),
+            parse_seeds(seeds),
             chosen,
             PeerLimits(limit, large_seeds),
             lambda row: status.update(f"{row.graph} {row.false_share:.0%} {row.method}"),
@@ -54,15 +55,3 @@ def graphs(
     show_wide(shown)
     for path in graph_bench.write_bench(rows, out):
         console.print(str(path), soft_wrap=True)
-
-
-def _seeds(text: str) -> list[int]:
-    """Return the seeds of '0-4' or '0,2'."""
-    try:
-        first, _, last = text.partition("-")
-        seeds = list(range(int(first), int(last) + 1)) if last else [int(part) for part in text.split(",")]
-    except ValueError:
-        seeds = []
-    if not seeds or min(seeds) < 0:
-        raise typer.BadParameter(f"'{text}' names no seeds; write 0-4 or 0,2", param_hint="--seeds")
-    return seeds

@@ -16,6 +16,7 @@ from topomap.cli import (
     method_commands,
     rig_commands,
     run_commands,
+    sweep_commands,
     world_commands,
 )
 from topomap.errors import TopomapError
@@ -28,6 +29,7 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 run_commands.add_to(app)
+sweep_commands.add_to(app)
 map_commands.add_to(app)
 closure_commands.add_to(app)
 graph_commands.add_to(app)

@@ -1,0 +1,79 @@
+"""sweep: many runs, one table."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import typer
+
+from topomap.cli.console import console, progress, show_wide
+
+if TYPE_CHECKING:
+    from topomap.study.sweep_table import Line, Spread
+
+HEADINGS = ("world", "variant", "runs", "dead reckoning [m]", "map SE(2) [m]", "map Sim(2) [m]", "false", "accepted",
+            "recall, mean (least)", "within 2 sigmas: rotation, curvature, distance", "home")  # fmt: skip
+
+
+def add_to(app: typer.Typer) -> None:
+    """Add the command to the program."""
+    app.command()(sweep)
+
+
+def sweep(
+    worlds: list[str] = typer.Argument(help="Named worlds, world files or floor plans."),
+    seeds: str = typer.Option("0-4", help="Seeds, e.g. 0-9, 3 or 0,2,5."),
+    config: Path | None = typer.Option(None, help="TOML file with settings."),
+    settings: list[str] = typer.Option([], "--set", metavar="SECTION.KEY=VALUE", help="One setting; may repeat."),
+    vary: list[str] = typer.Option(
+        [], metavar="SECTION.KEY=[A, B]", help="Values of a setting to compare; may repeat: every combination is run."
+    ),
+    variants: Path | None = typer.Option(None, help="TOML file whose tables are named variants of the settings."),
+    jobs: int | None = typer.Option(None, min=1, help="Processes [all cores]."),
+    fresh: bool = typer.Option(False, "--fresh", help="Make anew what is there already."),
+    out: Path = typer.Option(Path("runs") / "sweep", help="Folder for table, figure and the runs' own folders."),
+) -> None:
+    """Run worlds over seeds and variants of the settings: accuracy, closures, calibration, way home; one table."""
+    from rich.table import Table
+
+    from topomap.app import sweep as sweeps
+    from topomap.app.words import cores, parse_seeds
+    from topomap.study.sweep_table import lines
+
+    tasks = sweeps.plan(worlds, parse_seeds(seeds), config, settings, sweeps.variants(vary, variants), out)
+    with progress("sweep", len(tasks)) as advance:
+        found = sweeps.run_sweep(tasks, jobs or cores(), fresh, out, advance)
+    shown = Table(*HEADINGS, title="mean (least to most) over the seeds", title_justify="left")
+    for line in lines(found):
+        shown.add_row(*cells(line))
+    show_wide(shown)
+    for path in sweeps.write_sweep(found, out):
+        console.print(str(path), soft_wrap=True)
+
+
+def cells(line: Line) -> tuple[str, ...]:
+    """Return a line of the table as text."""
+    one = line.spreads
+    recall = one["recall"]
+    right = ", ".join(f"{100 * w.value:.0f} %" if w.value == w.value else "-" for w in line.within_2_sigmas.values())
+    home = f"{100 * line.home.value:.0f} % ({100 * line.home.low:.0f}-{100 * line.home.high:.0f})"
+    return (
+        line.world,
+        line.variant,
+        str(len(line.seeds)),
+        _span(one["dead_reckoning_ate_m"], ".2f"),
+        _span(one["map_ate_se2_m"], ".3f"),
+        _span(one["map_ate_sim2_m"], ".3f"),
+        _span(one["closures_false"], ".1f"),
+        _span(one["closures_accepted"], ".0f"),
+        f"{100 * recall.mean:.1f} % ({100 * recall.least:.1f})" if recall.count else "-",
+        right,
+        home if line.home.value == line.home.value else "-",
+    )
+
+
+def _span(spread: Spread, form: str) -> str:
+    if not spread.count:
+        return "-"
+    return f"{spread.mean:{form}} ({spread.least:{form}} to {spread.most:{form}})"
