@@ -72,6 +72,22 @@ def test_along_a_corridor_the_covariance_says_that_nothing_is_told() -> None:
     assert found.relative[1:] == pytest.approx(relative(a, b)[1:], abs=0.005)
 
 
+def test_along_a_noisy_corridor_the_turn_is_told_exactly_though_the_way_is_not() -> None:
+    a, b = Pose2(0.0, 0.2, 0.1), Pose2(0.4, 0.3, 0.15)
+    off = []
+    for seed in range(40):
+        found = match_scans(scan(CORRIDOR, a, 0.01, seed), scan(CORRIDOR, b, 0.01, seed + 100), relative(a, b))
+        assert found is not None
+        along = Pose2(0.0, 0.0, a.heading)  # the corridor's direction in a's frame is -0.1 rad
+        c, s = math.cos(along.heading), math.sin(along.heading)
+        turned = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+        covariance = turned @ found.covariance @ turned.T
+        assert covariance[0, 0] > 1.0
+        off.append((found.relative[2] - relative(a, b)[2]) / math.sqrt(covariance[2, 2]))
+        assert math.sqrt(covariance[2, 2]) < math.radians(0.1)
+    assert np.sqrt(np.mean(np.square(off))) < 1.5
+
+
 def test_another_room_or_no_ranges_is_no_match() -> None:
     a = scan(WALLS, Pose2(3.0, 2.0, 0.0))
     nothing = np.full(720, np.nan, np.float32)

@@ -67,12 +67,21 @@ UNTOLD = 1e6  # the covariance of what isn't told, in pair variances
 def _inverse(information: FloatArray, told: float, otherwise: float = 0.0) -> FloatArray:
     """Invert an information (3, 3) in those directions that enough pairs tell; `otherwise` stands for the others.
 
-    Noisy normals seem to tell of every direction a little, along a bare corridor too. A turn is weighed by what it
-    moves the points, so that all directions count pairs.
+    Noisy normals seem to tell of every direction a little, along a bare corridor too, and to couple the way along it
+    with the turn: so what isn't told of the position is taken out first, lest the turn, which the walls tell exactly,
+    share its doubt. A turn is weighed by what it moves the points, so that all directions count pairs.
     """
     arm = np.sqrt(max(information[2, 2] / max(information[0, 0] + information[1, 1], 1e-12), 1e-12))
     scale = np.array([1.0, 1.0, 1.0 / arm])
-    pairs, directions = np.linalg.eigh(information * np.outer(scale, scale))
-    values = np.where(pairs > told * pairs[-1], 1.0 / np.maximum(pairs, 1e-12), otherwise)
-    inverse: FloatArray = (directions * values) @ directions.T * np.outer(scale, scale)
+    pairs = information * np.outer(scale, scale)
+    values, directions = np.linalg.eigh(pairs)
+    least = told * float(values[-1])
+    untold = directions[:2, (values <= least) & (directions[2] ** 2 < 0.5)]
+    shifts, _, _ = np.linalg.svd(untold)
+    lost, kept = np.zeros((3, untold.shape[1])), np.eye(3)[:, untold.shape[1] :]
+    lost[:2], kept[:2, :-1] = np.split(shifts, [untold.shape[1]], axis=1)
+    values, directions = np.linalg.eigh(kept.T @ pairs @ kept)
+    directions = kept @ directions
+    weights = np.where(values > least, 1.0 / np.maximum(values, 1e-12), otherwise)
+    inverse: FloatArray = ((directions * weights) @ directions.T + otherwise * lost @ lost.T) * np.outer(scale, scale)
     return inverse
