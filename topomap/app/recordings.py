@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,6 +12,10 @@ from topomap.app.folder import RunFolder
 from topomap.app.runs import RunResult, conclude
 from topomap.app.wiring import versions
 from topomap.study.datasets.tuc import read_tuc
+from topomap.study.figures_recording import firmness
+from topomap.study.homing_pool import Store, workers
+from topomap.study.recording_bench import RecordingRow, RecordingTask, Variation, to_csv, to_json
+from topomap.study.summary import write_whole
 from topomap.study.tuc_map import map_tuc as map_recording
 from topomap.study.tuc_settings import TucSettings
 
@@ -24,3 +30,21 @@ def map_tuc(path: Path, out: Path, building_axes: bool = False) -> RunResult:
     data = map_recording(recording, TucSettings(building_axes=building_axes), versions())
     result = conclude(data, folder)
     return replace(result, files=(*write_tum(data, out), folder.summary, folder.report))
+
+
+def bench(
+    path: Path, variations: Sequence[Variation], jobs: int, progress: Callable[[int], None]
+) -> list[RecordingRow]:
+    """Map a recording in every given way, on so many processes. Raises DataError."""
+    read_tuc(path)  # a broken file is told before any process starts
+    done = itertools.count(1)
+    with workers(jobs, Store(None)) as hands:
+        return hands.run([RecordingTask(path, v) for v in variations], lambda: progress(next(done)))
+
+
+def write_bench(rows: Sequence[RecordingRow], out: Path) -> tuple[Path, ...]:
+    """Write recording.json, recording.csv and recording.png."""
+    write_whole(out / "recording.json", to_json(rows))
+    write_whole(out / "recording.csv", to_csv(rows))
+    firmness(rows).savefig(out / "recording.png", dpi=130, metadata={"Software": None})
+    return tuple(out / f"recording.{kind}" for kind in ("json", "csv", "png"))

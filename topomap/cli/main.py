@@ -14,6 +14,7 @@ from topomap.cli import (
     graph_commands,
     map_commands,
     method_commands,
+    recording_commands,
     rig_commands,
     run_commands,
     sweep_commands,
@@ -33,6 +34,7 @@ sweep_commands.add_to(app)
 map_commands.add_to(app)
 closure_commands.add_to(app)
 graph_commands.add_to(app)
+recording_commands.add_to(app)
 method_commands.add_to(app)
 world_commands.add_to(app)
 bench_commands.add_to(app)
