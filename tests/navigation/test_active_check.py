@@ -49,7 +49,8 @@ class Field:
 
     def mapper(self) -> Mapper:
         survey = SimpleNamespace(travel=self.way, turn=0.0, pose=Pose2())
-        topo = SimpleNamespace(nodes=[None, SimpleNamespace(travel=self.pending_at)], pose=lambda node: Pose2())
+        nodes = [SimpleNamespace(travel=0.0, snapshot=None), SimpleNamespace(travel=self.pending_at, snapshot=None)]
+        topo = SimpleNamespace(nodes=nodes, pose=lambda node: Pose2())
         album = SimpleNamespace(panorama=lambda node: view())
         tell = lambda candidate, agrees, reason: self.told.append((agrees, reason))  # noqa: E731
         return cast(Mapper, SimpleNamespace(survey=survey, map=topo, album=album, ledger=self.ledger, testify=tell))

@@ -9,6 +9,7 @@ from pydantic import BaseModel, Field
 
 from topomap.contract import Aligner
 from topomap.geometry import wrap
+from topomap.mapping.graph import TopoMap
 from topomap.mapping.ledger import key_of
 from topomap.mapping.mapper import Mapper
 from topomap.navigation.pilot import Pilot
@@ -33,11 +34,11 @@ class ActiveSettings(BaseModel, frozen=True, extra="forbid"):
 
 
 class _Approach:
-    """One check: the candidate, its snapshot, and the image differences seen on the way there."""
+    """One check: the candidate, the snapshots that may be homed to, and the differences seen on the way to one."""
 
-    def __init__(self, candidate: Candidate, view: Panorama, rotation: float, travel: float) -> None:
-        self.candidate, self.view = candidate, view
-        self.rotation = rotation  # the robot's heading minus the snapshot's
+    def __init__(self, candidate: Candidate, goals: list[int], rotation: float, travel: float) -> None:
+        self.candidate, self.goals = candidate, goals
+        self.rotation = rotation  # the robot's heading minus the candidate's match's
         self.began = travel
         self.steps = 0
         self.seen: list[tuple[float, float]] = []  # way [m], difference
@@ -74,28 +75,42 @@ class ActiveCheck:
                 self._tried.add(key_of(candidate))
                 turned = survey.pose.heading - topo.pose(candidate.query).heading - survey.turn
                 rotation = wrap(candidate.relative.heading + turned)
-                return _Approach(candidate, mapper.album.panorama(candidate.match), rotation, survey.travel)
+                return _Approach(candidate, _goals(candidate.match, topo), rotation, survey.travel)
         return None
 
     def _follow(self, approach: _Approach, panorama: Panorama, contact: bool, mapper: Mapper) -> tuple[Command, Travel]:
         """Look, then go on homing or end the check."""
         approach.steps += 1
-        alignment = self._homing.align(panorama, approach.view, wrap(approach.rotation + mapper.survey.turn))
-        approach.rotation = alignment.rotation
-        difference = aligned_difference(panorama, approach.view, alignment.rotation)
+        goal = approach.goals[0]
+        view = mapper.album.panorama(goal)
+        aside = _heading(approach.candidate.match, mapper) - _heading(goal, mapper)
+        alignment = self._homing.align(panorama, view, wrap(approach.rotation + mapper.survey.turn + aside))
+        approach.rotation = wrap(alignment.rotation - aside)
+        difference = aligned_difference(panorama, view, alignment.rotation)
         way = mapper.survey.travel - approach.began
         if not approach.seen or way - approach.seen[-1][0] >= self._s.apart:
             approach.seen.append((way, difference))
-        travel = Travel(Phase.TRAVEL, approach.candidate.match, alignment.home, difference, note="active check")
+        travel = Travel(Phase.TRAVEL, goal, alignment.home, difference, note="active check")
         home = alignment.home
-        if contact or home is None or home.confidence <= 0:
-            return self._end(approach, mapper, travel, "contact" if contact else "no home vector")
+        if home is None or home.confidence <= 0:
+            return self._from_here(approach, mapper, travel)
+        if contact:
+            return self._end(approach, mapper, travel, "contact")
         command = self._pilot.steer(home.bearing, panorama.ranges, self._s.speed)
         if command != self._pilot.steer(home.bearing, None, self._s.speed):
             return self._end(approach, mapper, travel, "something stands in the way")
         if way >= self._s.way or approach.steps >= self._s.steps or self._fallen(approach):
             return self._end(approach, mapper, travel, "")
         return command, travel
+
+    def _from_here(self, approach: _Approach, mapper: Mapper, travel: Travel) -> tuple[Command, Travel]:
+        """Where the way home can't be seen, as at the place itself, home to the snapshot beside it instead."""
+        if self._fallen(approach) or len(approach.goals) < 2:
+            return self._end(approach, mapper, travel, "no home vector")
+        approach.goals.pop(0)
+        approach.seen.clear()
+        approach.began = mapper.survey.travel
+        return Command(), travel
 
     def _end(self, approach: _Approach, mapper: Mapper, travel: Travel, obstacle: str) -> tuple[Command, Travel]:
         """Stop, and tell the mapper what the views say; where they say nothing the candidate goes on waiting."""
@@ -108,7 +123,7 @@ class ActiveCheck:
             mapper.testify(approach.candidate, False, told)
         else:
             told = f"active check: undecided ({obstacle or told})"
-        note = f"{told} [node {approach.candidate.match}]"
+        note = f"{told} [node {approach.goals[0]}]"
         return Command(), Travel(travel.phase, travel.milestone, travel.home, travel.difference, note=note)
 
     def _fallen(self, approach: _Approach) -> bool:
@@ -124,3 +139,14 @@ class ActiveCheck:
         if len(differences) < self._s.views:
             return 0.0
         return float(np.mean([np.sign(later - earlier) for earlier, later in combinations(differences, 2)]))
+
+
+def _goals(match: int, topo: TopoMap) -> list[int]:
+    """Return a candidate's node and the snapshots next to it on the way, the later one first."""
+    after = next((k for k in range(match + 1, len(topo.nodes)) if topo.nodes[k].snapshot is not None), None)
+    before = next((k for k in range(match - 1, -1, -1) if topo.nodes[k].snapshot is not None), None)
+    return [match, *(k for k in (after, before) if k is not None)]
+
+
+def _heading(node: int, mapper: Mapper) -> float:
+    return mapper.map.pose(node).heading

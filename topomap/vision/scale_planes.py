@@ -50,17 +50,27 @@ def warping_view(panorama: Panorama, spec: WarpingSpec) -> WarpingView:
 
 
 def _warping_view(panorama: Panorama, spec: WarpingSpec) -> WarpingView:
+    """Lay column 0 ahead: off the nose, a straight drive's direction would fall between columns, always to one side."""
     width = panorama.rig.width
     columns = max(min(spec.columns, width // spec.phases), 1)
     phases = min(spec.phases, width)
-    fine = normalised(shrunk(panorama, columns * phases, spec.rows))
-    turns = np.stack([np.roll(fine, -k, axis=1) for k in range(phases)])
-    wide: Float32Array = turns.mean(axis=0)
+    middle = 0.5 * (width / (columns * phases) - 1.0)
+    ahead = round(middle)
+    fine = normalised(shrunk(panorama.rolled(ahead), columns * phases, spec.rows))
+    wide = _smoothed(fine, phases)
     horizon = (panorama.rig.horizon_row + 0.5) * len(wide) / panorama.rig.height - 0.5
     stack = np.stack([_magnified(wide, spec.step**k, horizon) for k in range(spec.levels + 1)])
     edges = np.diff(stack, axis=1).reshape(spec.levels + 1, len(wide) - 1, columns, phases)
     edges = np.ascontiguousarray(edges.transpose(0, 3, 1, 2), np.float32)
-    return WarpingView(edges, np.abs(edges).sum(axis=2), 0.5 * (TAU / columns - TAU / width), spec)
+    return WarpingView(edges, np.abs(edges).sum(axis=2), (middle - ahead) * TAU / width, spec)
+
+
+def _smoothed(fine: Float32Array, phases: int) -> Float32Array:
+    """Return columns (R, n) averaged over `phases` of them about itself; of an even number the ends count half."""
+    reach = phases // 2
+    weights = [1.0 if abs(k) < reach or phases % 2 else 0.5 for k in range(-reach, reach + 1)]
+    total = sum(w * np.roll(fine, -k, axis=1) for w, k in zip(weights, range(-reach, reach + 1), strict=True))
+    return np.asarray(total / phases, np.float32)
 
 
 def _magnified(small: Float32Array, factor: float, horizon: float) -> Float32Array:
