@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+from maps import snapshot
 from ring import ring
 
 from topomap.geometry import FloatArray, between
+from topomap.mapping.backend import TurnEdge
 from topomap.mapping.chain import Chain, carried_to_origin, composed_covariance
 from topomap.mapping.graph import Node, TopoMap
 from topomap.mapping.growing import GrowingChain
@@ -69,11 +71,14 @@ def test_all_places_see_the_end_as_each_does() -> None:
 
 def test_the_growing_chain_is_the_whole_one_after_every_change() -> None:
     problem = ring(3, nodes=30, length=30, closures=0).problem
-    topo = TopoMap()
-    topo.add(Node(0, 0.0, None), None)
-    growing = GrowingChain(topo)
+    topo, turns = TopoMap(), []
+    last = topo.add(Node(0, 0.0, snapshot(0)), None)
+    growing = GrowingChain(topo, turns)
     for k, edge in enumerate(problem.odometry):
-        topo.add(Node(int(edge.increments.stamps_ns[-1]), 0.0, None), edge.increments)
+        new = topo.add(Node(int(edge.increments.stamps_ns[-1]), 0.0, snapshot(k) if k % 4 else None), edge.increments)
+        if k % 4:
+            turns.append(TurnEdge(last, new, 0.0, 0.01))
+            last = new
         if k == 12:
             topo.insert(int(edge.increments.stamps_ns[1]))
         if k == 20:
@@ -82,10 +87,30 @@ def test_the_growing_chain_is_the_whole_one_after_every_change() -> None:
             topo.move(moved, topo.calibration)
         if k == 25:
             topo.move(topo.poses.copy(), Calibration(1.02, 0.001, 0.97))
-        found, whole = growing.current(UNSURE), GrowingChain(topo).current(UNSURE)
+        found, whole = growing.current(UNSURE), GrowingChain(topo, turns).current(UNSURE)
         for mine, other in zip(
             (found.poses, found.travelled, found.random, found.systematic),
             (whole.poses, whole.travelled, whole.random, whole.systematic),
             strict=True,
         ):
             assert np.allclose(mine, other, rtol=1e-9, atol=1e-12)
+
+
+def test_a_measured_turn_takes_away_what_it_tells_and_no_more() -> None:
+    """Against the joint estimate of one edge's errors and the calibration, kept as one vector."""
+    problem = ring(3, nodes=10, length=10, closures=0).problem
+    edges = EdgeIncrements.of([e.increments for e in problem.odometry]).integrate(Calibration())
+    poses = np.zeros((len(edges.turn) + 1, 3))
+    sigma = 0.004
+    told = Chain.of(poses, edges, Calibration(), np.zeros((3, 3)), turn_variances=np.full(len(edges.turn), sigma**2))
+    noise = edges.covariances(Calibration())[0]
+    turned = np.array([[0.0, 0.0, 1.0]])
+    expected = np.linalg.inv(np.linalg.inv(noise) + turned.T @ turned / sigma**2)
+    assert np.allclose(told.random[1], expected, rtol=1e-9)
+    gain = noise[:, 2] / (noise[2, 2] + sigma**2)
+    response = edges.jacobians(Calibration())[0]
+    assert np.allclose(told.systematic[1], response - np.outer(gain, response[2]), rtol=1e-9)
+    bare = Chain.of(poses, edges, Calibration(), np.zeros((3, 3)), turn_variances=np.full(len(edges.turn), np.inf))
+    plain = Chain.of(poses, edges, Calibration(), np.zeros((3, 3)))
+    assert np.allclose(bare.random, plain.random)
+    assert np.allclose(bare.systematic, plain.systematic)

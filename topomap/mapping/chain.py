@@ -32,15 +32,20 @@ class Chain:
         calibration: Calibration,
         calibration_covariance: FloatArray,
         head: Chain | None = None,
+        turn_variances: FloatArray | None = None,
     ) -> Chain:
         """Sum up the edges between poses (N, 3), which stand in travel order.
 
         head: the chain of the first nodes, summed up already; then `edges` are those from its last node on.
+        turn_variances (E,) [rad^2]: of turns that were measured beside the odometry's; infinite where none was.
         """
         first = 0 if head is None else len(head.poses) - 1
         carry = carried_to_origin(poses[first:-1], poses[first + 1 :])
-        random = carry @ edges.covariances(calibration) @ carry.transpose(0, 2, 1)
-        systematic = carry @ edges.jacobians(calibration)
+        noise, response = edges.covariances(calibration), edges.jacobians(calibration)
+        if turn_variances is not None:
+            noise, response = _with_turns(noise, response, turn_variances)
+        random = carry @ noise @ carry.transpose(0, 2, 1)
+        systematic = carry @ response
         steps = np.abs(edges.forward) / calibration.distance_scale
         return Chain(
             poses,
@@ -72,6 +77,19 @@ class Chain:
     def path(self, i: IntArray, j: IntArray) -> FloatArray:
         """Return (n,) the path lengths [m] between chain positions."""
         return np.abs(self.travelled[j] - self.travelled[i])
+
+
+def _with_turns(noise: FloatArray, response: FloatArray, variances: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return what is left of odometry's errors once turns were measured: noise (E, 3, 3) and response (E, 3, 3).
+
+    The measurement corrects an edge by its gain (Kalman, in Joseph's form), whichever error it was that it shows.
+    """
+    gain = noise[:, :, 2] / (noise[:, 2, 2] + variances)[:, None]
+    left = np.tile(np.eye(3), (len(noise), 1, 1))
+    left[:, :, 2] -= gain
+    finite = np.where(np.isfinite(variances), variances, 0.0)  # without a measurement the gain is 0
+    measured = gain[:, :, None] * gain[:, None, :] * finite[:, None, None]
+    return left @ noise @ left.transpose(0, 2, 1) + measured, left @ response
 
 
 def _rotation(angles: FloatArray) -> FloatArray:

@@ -27,7 +27,7 @@ class Ways:
         """sigma [m]: how far apart the two spots of a true closure may lie; probability of a true one to pass."""
         self._map = topo
         self._correction = correction
-        self._growing = GrowingChain(topo)
+        self._growing = GrowingChain(topo, correction.neighbours.turns)
         self._variance = sigma**2
         self._limit = float(chdtri(2, 1 - probability))
         self._made: tuple[int, int, int] | None = None
