@@ -144,6 +144,19 @@ def test_all_false_leaves_the_odometry_map(seed: int) -> None:
     assert solution.calibration == made.problem.calibration
 
 
+def test_turns_seen_far_better_than_odometrys_are_believed_and_a_wrong_one_is_not() -> None:
+    made = ring(5, nodes=120, length=120.0, closures=0)
+    sigma = np.deg2rad(0.05)
+    seen = wrap_all(np.diff(made.truth[:, 2])) + np.random.default_rng(5).normal(0.0, sigma, 120)
+    seen[60] += np.deg2rad(40.0)
+    turns = tuple(TurnEdge(n, n + 1, float(t), sigma) for n, t in enumerate(seen))
+    solution = solve(replace(made.problem, turns=turns))
+    assert solution.improved
+    off = np.degrees(wrap_all(np.diff(solution.poses[:, 2]) - np.diff(made.truth[:, 2])))
+    assert np.abs(np.delete(off, 60)).max() < 0.3, "odometry's own noise is 0.5 degrees a metre"
+    assert abs(off[60]) < 2.5
+
+
 def test_opposite_headings_without_a_claim_dont_turn_the_map() -> None:
     made: Ring = ring(1, back=True)
     problem = blinded(made.problem)

@@ -22,5 +22,10 @@ class BackendSettings(BaseModel):
     shrink: float = Field(default=2.0, gt=1, le=10, description="a stage divides what odometry may be off by this")
     iterations: int = Field(default=10, ge=1, le=100, description="iterations at most, after the annealing")
     tolerance: float = Field(default=1e-3, gt=0, description="largest step [m, rad] when it has converged")
-    turn_cutoff: float = Field(default=3.0, gt=0, le=100, description="seen turns further off fade out [sigmas]")
+    turn_cutoff: float = Field(
+        default=3.0,
+        gt=0,
+        le=100,
+        description="seen turns further off than odometry and they themselves may be fade out [sigmas]",
+    )
     support: SupportSettings = Field(default_factory=SupportSettings, description="agreement that seeds a solve")

@@ -19,8 +19,11 @@ WEIGHTLESS = 1e-6  # a closure with less weight is left out of the system
 LARGEST_STEP = np.array([0.1, 0.02, 0.1])  # of the calibration: keeps the linearisation honest
 
 
-def geman_mcclure(chi2: FloatArray, cutoff: float) -> FloatArray:
-    """Return the weights (n,) of squared errors (n,) (Yang et al. 2020, eq. 12, mu c^2 = cutoff^2)."""
+def geman_mcclure(chi2: FloatArray, cutoff: float | FloatArray) -> FloatArray:
+    """Return the weights (n,) of squared errors (n,) (Yang et al. 2020, eq. 12, mu c^2 = cutoff^2).
+
+    cutoff: one for all or one each (n,).
+    """
     return np.asarray((cutoff**2 / (chi2 + cutoff**2)) ** 2)
 
 
@@ -59,13 +62,14 @@ class Graph:
         self._pairs = _pairs([(e.i, e.j) for e in problem.odometry])
         self._turn_pairs = _pairs([(t.i, t.j) for t in problem.turns])
         self._turns = np.array([(t.turn, t.sigma) for t in problem.turns]).reshape(-1, 2)
-        self._turn_cutoff = turn_cutoff
         self._axis_pairs = _pairs([(a.i, a.j) for a in problem.axes])
         self._axis_sigmas = np.array([a.sigma for a in problem.axes])
         self._sigmas = np.array(problem.prior_sigmas)
         self._order = np.append(self._pairs[:, 0], self._pairs[-1:, 1])
         self._turn_on_edge = self._on_edge(self._turn_pairs)
         self._axis_on_edge = self._on_edge(self._axis_pairs)
+        self._turn_cutoffs = turn_cutoff * np.sqrt(1.0 + self._turn_allowance() / self._turns[:, 1] ** 2)
+        self._axis_cutoff = turn_cutoff
 
     def _on_edge(self, pairs: IntArray) -> BoolArray:
         """Return which of some pairs (n, 2) are neighbours on the way, in its direction, each edge's first only."""
@@ -75,6 +79,25 @@ class Graph:
         first = np.zeros(len(pairs), bool)
         first[np.unique(pairs[:, 0], return_index=True)[1]] = True
         return np.asarray(beside & first)
+
+    def _turn_allowance(self) -> FloatArray:
+        """Return (n,) how far off the seen turns odometry may begin [rad^2]: where it is the worse of the two, a
+        right turn looks like a wrong one at first.
+        """
+        if not len(self._turns):
+            return np.zeros(0)
+        edges = self._edges.integrate(self.problem.calibration)
+        place = np.zeros(len(self.problem.poses), np.int64)
+        place[self._order] = np.arange(len(self._order))
+        i, j = place[self._turn_pairs].T
+
+        def between(values: FloatArray) -> FloatArray:
+            sums = np.concatenate([np.zeros((1, *values.shape[1:])), np.cumsum(values, axis=0)])
+            return np.asarray(sums[j] - sums[i])
+
+        random = between(edges.covariances(self.problem.calibration)[:, 2, 2])
+        systematic = between(edges.jacobians(self.problem.calibration)[:, 2])
+        return np.asarray(np.abs(random) + systematic**2 @ self._sigmas**2)
 
     def chain(self) -> tuple[Chain, IntArray]:
         """Return the travelled chain by the problem's own estimate, and each node's (N,) place in it."""
@@ -115,21 +138,19 @@ class Graph:
 
     def _firm(self, at: Linearised) -> float:
         prior = float(((at.prior / self._sigmas) ** 2).sum())
-        faded = self._faded(at.turns) + self._faded(at.axes)
+        faded = _faded(at.turns, self._turn_cutoffs) + _faded(at.axes, self._axis_cutoff)
         return float(at.odometry.chi2().sum()) + faded + prior
-
-    def _faded(self, blocks: Blocks) -> float:
-        """Return the error of residuals that fade out (Geman-McClure)."""
-        chi2, cutoff2 = blocks.chi2(), self._turn_cutoff**2
-        return float((chi2 * cutoff2 / (chi2 + cutoff2)).sum())
 
     def system(self, at: Linearised, weights: FloatArray) -> LinearSystem:
         """Return the linear system with closure weights (M,), in poses that the calibration carries along."""
         heard = weights > WEIGHTLESS
         closures = with_calibration(at.closures.among(heard), at.carried)
         inside, across = [], []
-        for blocks, on_edge in ((at.turns, self._turn_on_edge), (at.axes, self._axis_on_edge)):
-            faded = with_calibration(blocks, at.carried).weighted(geman_mcclure(blocks.chi2(), self._turn_cutoff))
+        for blocks, on_edge, cutoff in (
+            (at.turns, self._turn_on_edge, self._turn_cutoffs),
+            (at.axes, self._axis_on_edge, self._axis_cutoff),
+        ):
+            faded = with_calibration(blocks, at.carried).weighted(geman_mcclure(blocks.chi2(), cutoff))
             inside.append(faded.among(on_edge))
             across.append(faded.among(~on_edge))
         system = LinearSystem(
@@ -164,6 +185,12 @@ class Graph:
             if self.error(there, weights) <= before * (1 + 1e-9) + 1e-9:
                 return moved, there, float(np.abs(poses).max()) * length
         return state, at, 0.0
+
+
+def _faded(blocks: Blocks, cutoff: float | FloatArray) -> float:
+    """Return the error of residuals that fade out (Geman-McClure) beyond a cutoff, one for all or one each (n,)."""
+    chi2, cutoff2 = blocks.chi2(), np.square(cutoff)
+    return float((chi2 * cutoff2 / (chi2 + cutoff2)).sum())
 
 
 def _pairs(pairs: list[tuple[int, int]]) -> IntArray:
