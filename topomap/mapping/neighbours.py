@@ -24,7 +24,7 @@ class NeighbourSettings(BaseModel, frozen=True, extra="forbid"):
     scans: ScanMatchSettings = Field(default_factory=ScanMatchSettings)
     distance: DistanceScaleSettings = Field(default_factory=DistanceScaleSettings)
     scan_turn_sigma_deg: float = Field(0.05, gt=0, description="least error of a turn measured by ranges [degree]")
-    seen_turn_sigma_deg: float = Field(1.0, gt=0, description="error of a turn seen by the visual compass [degree] ...")
+    seen_turn_sigma_deg: float = Field(0.4, gt=0, description="error of a turn seen by the visual compass [degree] ...")
     seen_turn_share: float = Field(0.1, ge=0, description="... and more by this share of the turn")
     distance_sigma: float = Field(0.02, gt=0, description="a distance measured less exactly isn't used [m]")
     min_way: float = Field(0.15, gt=0, description="shortest way whose distance is used [m]")
