@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from drives import laps, write_recording
 
 from topomap.errors import DataError
 from topomap.study.datasets.tuc import read_tuc
@@ -14,27 +15,6 @@ from topomap.study.tuc_map import map_tuc
 from topomap.types import Verdict
 
 HEAD = "odom2 0 0.4 0 0 0.0025 0.0025 0.0001\nodom2 1 0.4 0 0.1 0.0025 0.0025 0.0001\n"
-
-
-def write(folder: Path, text: str, truth: str | None = None) -> Path:
-    (folder / "Small_Input.txt").write_text(text)
-    if truth is not None:
-        (folder / "Small_GT.txt").write_text(truth)
-    return folder
-
-
-def laps(rounds: int = 3, noise: float = 0.0) -> tuple[str, str]:
-    """A drive round a 20 m square at 0.5 m/s with a loop candidate for every true meeting."""
-    lap = 160
-    k = np.arange(rounds * lap)
-    turn = np.where(k % 40 == 0, np.pi / 2 / 1.0, 0.0) + 0.002
-    heading = np.cumsum(turn - 0.002)
-    x, y = np.cumsum(np.cos(heading)) * 0.5, np.cumsum(np.sin(heading)) * 0.5
-    rows = [f"odom2 {n} 0.5 0 {t:.6f} 0.0025 0.0025 0.0001" for n, t in zip(k, turn, strict=True)]
-    rows += [f"loop {n} {n - lap} 0.8" for n in range(lap, rounds * lap, 2)]
-    rows += [f"loop {n} {(n * 37) % (n - 60)} 0.6" for n in range(100, rounds * lap, 4)]
-    truth = [f"point2 {n} {x[n - 1] if n else 0:.4f} {y[n - 1] if n else 0:.4f} 0 0 0 0" for n in k]
-    return "\n".join(rows) + "\n", "\n".join(truth) + "\n"
 
 
 @pytest.mark.parametrize(
@@ -55,7 +35,7 @@ def laps(rounds: int = 3, noise: float = 0.0) -> tuple[str, str]:
 )
 def test_bad_files_name_line_and_field(tmp_path: Path, text: str, message: str) -> None:
     with pytest.raises(DataError, match=message):
-        read_tuc(write(tmp_path, text))
+        read_tuc(write_recording(tmp_path, text))
 
 
 def test_missing_folder(tmp_path: Path) -> None:
@@ -67,7 +47,7 @@ def test_missing_folder(tmp_path: Path) -> None:
 
 def test_truth_by_row_name_and_clock_restart(tmp_path: Path) -> None:
     truth = "point2 0 1 2 0 0 0 0\npoint2 1 2 2 0 0 0 0\nangle 0 3.1 0\nangle 1 -3.1 0\n"
-    recording = read_tuc(write(tmp_path, HEAD, truth))
+    recording = read_tuc(write_recording(tmp_path, HEAD, truth))
     assert recording.truth is not None
     at = recording.truth.at(np.array([500_000_000]))[0]
     assert np.allclose(at[:2], [1.5, 2.0])
@@ -75,7 +55,7 @@ def test_truth_by_row_name_and_clock_restart(tmp_path: Path) -> None:
 
 
 def test_increments_end_at_named_stamps_too(tmp_path: Path) -> None:
-    recording = read_tuc(write(tmp_path, HEAD + "odom2 2 0 0 0 0 0 0\nloop 1.25 0.5 1\n"))
+    recording = read_tuc(write_recording(tmp_path, HEAD + "odom2 2 0 0 0 0 0 0\nloop 1.25 0.5 1\n"))
     drive = Drive.of(recording)
     assert drive.node_stamps.tolist() == [0, 500_000_000, 1_250_000_000, 2_000_000_000]
     assert drive.way[-1] == pytest.approx(0.8)
@@ -83,7 +63,7 @@ def test_increments_end_at_named_stamps_too(tmp_path: Path) -> None:
 
 def test_small_loop_is_closed_without_truth(tmp_path: Path) -> None:
     text, truth = laps()
-    run = map_tuc(read_tuc(write(tmp_path, text + "loop 99999 3 0.5\n")))
+    run = map_tuc(read_tuc(write_recording(tmp_path, text + "loop 99999 3 0.5\n")))
     assert run.truth is None
     assert run.calibration is not None
     assert abs(run.calibration.curvature.value - 0.004) < 0.001
@@ -95,7 +75,7 @@ def test_small_loop_is_closed_without_truth(tmp_path: Path) -> None:
 
 
 def test_no_candidates_leave_odometry(tmp_path: Path) -> None:
-    run = map_tuc(read_tuc(write(tmp_path, HEAD + "odom2 2 0.4 0 0 1 1 1\n")))
+    run = map_tuc(read_tuc(write_recording(tmp_path, HEAD + "odom2 2 0.4 0 0 1 1 1\n")))
     assert np.allclose(run.final, run.dead_reckoning)
 
 

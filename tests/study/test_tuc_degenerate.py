@@ -7,7 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from test_tuc import HEAD, laps, write
+from drives import laps, write_recording
+from test_tuc import HEAD
 from typer.testing import CliRunner
 
 from topomap.cli.main import app
@@ -24,7 +25,7 @@ def drive() -> list[str]:
 
 
 def mapped(folder: Path, rows: list[str]) -> RunData:
-    return map_tuc(read_tuc(write(folder, "\n".join(rows) + "\n")))
+    return map_tuc(read_tuc(write_recording(folder, "\n".join(rows) + "\n")))
 
 
 def last(run: RunData) -> list[Decision]:
@@ -42,7 +43,7 @@ def lies(seed: int, count: int) -> list[str]:
 
 
 def test_without_candidates_the_command_writes_odometry_and_a_report(tmp_path: Path) -> None:
-    write(tmp_path, HEAD + "odom2 2 0.4 0 0 1 1 1\n")
+    write_recording(tmp_path, HEAD + "odom2 2 0.4 0 0 1 1 1\n")
     done = CliRunner().invoke(app, ["map", "tuc", str(tmp_path), "--out", str(tmp_path / "out")])
     assert done.exit_code == 0, done.output
     closures = json.loads((tmp_path / "out" / "summary.json").read_text())["closures"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import json
+import re
 import tomllib
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
@@ -79,7 +80,7 @@ def plan(
     for world, variant in itertools.product(worlds, which):
         chosen = load_config(config, (*words, *variant.words))
         name = runs.open_world(world, 0, chosen).world.name
-        folder = out / name / variant.name.replace("/", "-")
+        folder = out / name / re.sub(r"[^\w.=+-]+", "_", variant.name)
         tasks += [RunTask(world, variant.name, seed, chosen, folder / f"seed-{seed}") for seed in seeds]
     return tasks
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,10 +11,13 @@ import typer
 from topomap.cli.console import console, progress, show_wide
 
 if TYPE_CHECKING:
+    from topomap.study.homing_statistics import Interval
     from topomap.study.sweep_table import Line, Spread
 
-HEADINGS = ("world", "variant", "runs", "dead reckoning [m]", "map SE(2) [m]", "map Sim(2) [m]", "false", "accepted",
-            "recall, mean (least)", "within 2 sigmas: rotation, curvature, distance", "home")  # fmt: skip
+HEADINGS = (
+    "world", "variant", "runs", "dead reckoning\n[m]", "map SE(2)\n[m]", "map Sim(2)\n[m]", "accepted",
+    "false,\nin all", "recall", "within 2 sigmas:\nrotation, curvature, distance", "home",
+)  # fmt: skip
 
 
 def add_to(app: typer.Typer) -> None:
@@ -44,7 +48,9 @@ def sweep(
     tasks = sweeps.plan(worlds, parse_seeds(seeds), config, settings, sweeps.variants(vary, variants), out)
     with progress("sweep", len(tasks)) as advance:
         found = sweeps.run_sweep(tasks, jobs or cores(), fresh, out, advance)
-    shown = Table(*HEADINGS, title="mean (least to most) over the seeds", title_justify="left")
+    shown = Table(title="over the seeds: mean, least to most", title_justify="left", show_lines=True)
+    for heading in HEADINGS:
+        shown.add_column(heading, overflow="fold")
     for line in lines(found):
         shown.add_row(*cells(line))
     show_wide(shown)
@@ -55,9 +61,7 @@ def sweep(
 def cells(line: Line) -> tuple[str, ...]:
     """Return a line of the table as text."""
     one = line.spreads
-    recall = one["recall"]
-    right = ", ".join(f"{100 * w.value:.0f} %" if w.value == w.value else "-" for w in line.within_2_sigmas.values())
-    home = f"{100 * line.home.value:.0f} % ({100 * line.home.low:.0f}-{100 * line.home.high:.0f})"
+    false = one["closures_false"]
     return (
         line.world,
         line.variant,
@@ -65,15 +69,19 @@ def cells(line: Line) -> tuple[str, ...]:
         _span(one["dead_reckoning_ate_m"], ".2f"),
         _span(one["map_ate_se2_m"], ".3f"),
         _span(one["map_ate_sim2_m"], ".3f"),
-        _span(one["closures_false"], ".1f"),
         _span(one["closures_accepted"], ".0f"),
-        f"{100 * recall.mean:.1f} % ({100 * recall.least:.1f})" if recall.count else "-",
-        right,
-        home if line.home.value == line.home.value else "-",
+        f"{false.mean * false.count:.0f}" if false.count else "-",
+        _span(one["recall"], ".1%"),
+        ", ".join(_share(share) for share in line.within_2_sigmas.values()),
+        _share(line.home),
     )
 
 
 def _span(spread: Spread, form: str) -> str:
     if not spread.count:
         return "-"
-    return f"{spread.mean:{form}} ({spread.least:{form}} to {spread.most:{form}})"
+    return f"{spread.mean:{form}}\n{spread.least:{form}} to {spread.most:{form}}"
+
+
+def _share(share: Interval) -> str:
+    return f"{share.value:.0%}" if math.isfinite(share.value) else "-"

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import time
 from collections.abc import Iterator, Sequence
@@ -20,6 +18,7 @@ from topomap.study.graph_map import map_graph
 from topomap.study.graph_odometry import odometry_poses
 from topomap.study.graph_peers import PeerProcess, PeerRun, closures_of
 from topomap.study.metrics import ate
+from topomap.study.rows import rows_csv
 
 OURS = "topomap"
 ODOMETRY = "odometry"
@@ -159,8 +158,4 @@ def to_json(rows: Sequence[Row]) -> str:
 
 def to_csv(rows: Sequence[Row]) -> str:
     """Return all rows as CSV with a header."""
-    text = io.StringIO()
-    writer = csv.DictWriter(text, list(Row.__dataclass_fields__), lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(asdict(row) for row in rows)
-    return text.getvalue()
+    return rows_csv(rows, Row)

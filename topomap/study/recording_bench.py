@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import time
 from collections.abc import Iterator, Sequence
@@ -16,6 +14,7 @@ import numpy as np
 from topomap.study.datasets.tuc import TucRecording, read_tuc
 from topomap.study.metrics import ate
 from topomap.study.metrics_closures import count
+from topomap.study.rows import rows_csv
 from topomap.study.tuc_map import map_tuc
 from topomap.study.tuc_settings import TucSettings
 
@@ -161,8 +160,4 @@ def to_json(rows: Sequence[RecordingRow]) -> str:
 
 def to_csv(rows: Sequence[RecordingRow]) -> str:
     """Return the rows as CSV with a header."""
-    text = io.StringIO()
-    writer = csv.DictWriter(text, list(RecordingRow.__dataclass_fields__), lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(asdict(row) for row in rows)
-    return text.getvalue()
+    return rows_csv(rows, RecordingRow)

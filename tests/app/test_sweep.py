@@ -1,0 +1,103 @@
+"""Many runs: which ones, that the number of processes changes nothing, and what is told of them."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from pathlib import Path
+
+import pytest
+
+from topomap.app.sweep import plan, run_sweep, variants, write_sweep
+from topomap.cli.sweep_commands import HEADINGS, cells
+from topomap.errors import ConfigError, DataError
+from topomap.study.sweep_table import SweptRun, lines
+
+DEN = str(Path(__file__).parent.parent / "helpers" / "den.toml")
+SHORT = ["sim.driver.laps=0.5", "stack.mission.then=stop"]
+
+
+def swept(out: Path, jobs: int) -> list[SweptRun]:
+    return run_sweep(plan([DEN], [0, 1], None, SHORT, variants([], None), out), jobs, False, out, lambda _: None)
+
+
+@pytest.fixture(scope="module")
+def twice(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[SweptRun], list[SweptRun]]:
+    out, other = tmp_path_factory.mktemp("one"), tmp_path_factory.mktemp("two")
+    return out, swept(out, 1), swept(other, 2)
+
+
+def test_variants_are_every_combination(tmp_path: Path) -> None:
+    named = tmp_path / "named.toml"
+    named.write_text(
+        "[calm]\n[crowd.sim.people]\nextra = 4\n[dusk.sim]\ncamera.light_changes = [{hour = 20, at_s = 3}]\n"
+    )
+    found = variants(["sim.driver.lateral_offset=[0.0, 0.3]"], named)
+    assert [v.name for v in found] == [
+        f"sim.driver.lateral_offset={offset}, {name}" for offset in ("0.0", "0.3") for name in ("calm", "crowd", "dusk")
+    ]
+    tasks = plan([DEN], [0], None, SHORT, found, tmp_path)
+    assert tasks[4].config.sim.driver.lateral_offset == 0.3
+    assert tasks[4].config.sim.people.extra == 4
+    assert tasks[5].config.sim.camera.light_changes[0].hour == 20
+    assert len({task.folder for task in tasks}) == 6
+    assert not any(" " in str(task.folder.relative_to(tmp_path)) for task in tasks)
+
+
+@pytest.mark.parametrize(
+    ("vary", "text", "says"),
+    [
+        (["sim.driver.laps=2"], None, "--vary sim.driver.laps=2: expected section.key=[value, ...]"),
+        (["sim.driver.laps=[]"], None, "expected section.key=[value, ...]"),
+        (["=[1]"], None, "expected section.key=[value, ...]"),
+        ([], "laps = 2", "named.toml: laps = 2: expected a table of settings"),
+        ([], "", "named.toml: holds no variants"),
+        ([], "[a", "named.toml: not a TOML file"),
+    ],
+)
+def test_wrong_variants_are_one_line(tmp_path: Path, vary: list[str], text: str | None, says: str) -> None:
+    file = None if text is None else tmp_path / "named.toml"
+    if file is not None and text is not None:
+        file.write_text(text)
+    with pytest.raises(ConfigError) as wrong:
+        variants(vary, file)
+    assert says in str(wrong.value)
+    assert "\n" not in str(wrong.value)
+
+
+def test_all_is_checked_before_anything_runs(tmp_path: Path) -> None:
+    with pytest.raises(ConfigError, match=r"unknown key sim\.speed"):
+        plan([DEN], [0], None, [], variants(["sim.speed=[1]"], None), tmp_path)
+    with pytest.raises(DataError, match="unknown world 'nowhere'"):
+        plan([DEN, "nowhere"], [0], None, [], variants([], None), tmp_path)
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_number_of_processes_changes_nothing(twice: tuple[Path, list[SweptRun], list[SweptRun]]) -> None:
+    _, one, two = twice
+    assert [run.summary["graph_hash"] for run in one] == [run.summary["graph_hash"] for run in two]
+    assert one[0].summary["graph_hash"] != one[1].summary["graph_hash"]
+    assert [run.seed for run in one] == [0, 1]
+
+
+def test_what_is_there_is_not_made_again(twice: tuple[Path, list[SweptRun], list[SweptRun]]) -> None:
+    out, one, _ = twice
+    log = out / "den" / "default" / "seed-0" / "run.mcap"
+    made = log.stat().st_mtime_ns
+    assert [run.summary for run in swept(out, 1)] == [run.summary for run in one]
+    assert log.stat().st_mtime_ns == made
+
+
+def test_the_table_says_what_the_runs_say(twice: tuple[Path, list[SweptRun], list[SweptRun]]) -> None:
+    out, one, _ = twice
+    (line,) = lines(one)
+    errors = [run.summary["map_ate_m"]["se2"] for run in one]
+    assert line.spreads["map_ate_se2_m"].mean == pytest.approx(sum(errors) / 2)
+    assert (line.spreads["map_ate_se2_m"].least, line.spreads["map_ate_se2_m"].most) == (min(errors), max(errors))
+    assert math.isnan(line.home.value), "home wasn't asked for"
+    assert len(cells(line)) == len(HEADINGS)
+    table, rows, picture = write_sweep(one, out)
+    assert json.loads(table.read_text())[0]["seeds"] == [0, 1]
+    assert [row["graph_hash"] for row in csv.DictReader(rows.open())] == [run.summary["graph_hash"] for run in one]
+    assert picture.stat().st_size > 10_000
