@@ -74,8 +74,17 @@ def test_the_accumulated_rule_is_a_baseline_that_can_be_chosen() -> None:
     assert len(baseline.map.nodes) > len(usual.map.nodes)
 
 
-def test_without_ranges_the_distance_scale_is_unobserved() -> None:
-    mapper, records, _ = drive(60, "sim.laser.max_range=0.01")
+def test_without_ranges_the_ground_line_shows_the_distance_scale_less_exactly() -> None:
+    seen = drive(120, "sim.laser.dropout=1.0")[0].correction.state.distance_scale
+    measured = drive(120)[0].correction.state.distance_scale
+    assert seen.observed
+    assert abs(seen.value - 0.95) < min(0.05, 3 * seen.sigma)
+    assert seen.sigma >= 0.015
+    assert seen.sigma > measured.sigma
+
+
+def test_without_ranges_and_floor_the_distance_scale_is_unobserved() -> None:
+    mapper, records, _ = drive(60, "sim.laser.max_range=0.01", "sim.camera.horizon_row=97")
     assert not mapper.correction.state.distance_scale.observed
     assert mapper.correction.state.distance_scale.value == pytest.approx(1.0)
     assert np.isfinite([r.where.pose.array() for r in records]).all()

@@ -27,7 +27,8 @@ class ClosingSettings(BaseModel, frozen=True, extra="forbid"):
     """How a closure is tested and measured."""
 
     verification: VerificationSettings = Field(default_factory=VerificationSettings)
-    gate: GateSettings = Field(default_factory=GateSettings)
+    gate: GateSettings = Field(default_factory=lambda: GateSettings(probability=0.95))
+    reach: float = Field(0.99, gt=0.5, lt=1, description="probability that the true place is among those compared")
     offset: OffsetSettings = Field(default_factory=OffsetSettings)
     quorum: QuorumSettings = Field(default_factory=QuorumSettings)
     alone: float = Field(
@@ -55,7 +56,7 @@ class Closing:
         self._offset = ClosureOffset(settings.offset)
         self._quorum = Quorum(settings.quorum, survey.map)
         self._testimonies: list[tuple[Candidate, bool, str]] = []
-        self._ways = Ways(survey.map, correction, settings.offset.position_sigma, settings.gate.probability)
+        self._ways = Ways(survey.map, correction, settings.offset.position_sigma, settings.reach)
 
     def within_reach(self, nodes: IntArray) -> IntArray:
         """Return those of some older nodes (n,) at which odometry allows the robot to be now."""
@@ -107,8 +108,8 @@ class Closing:
         if objection:
             candidate = self._candidate(proposal, outcome, Pose2(0.0, 0.0, outcome.winner.alignment.rotation))
             return [self._ledger.decide(stamp_ns, candidate, Verdict.REFUSED, objection)]
-        node = self._map.nodes[outcome.winner.match.node]
-        offset = self._offset.measure(outcome.winner, node.snapshot, proposal.moment.panorama.ranges)
+        place = self._album.panorama(match.node)
+        offset = self._offset.measure(outcome.winner, place, proposal.moment.panorama)
         candidate = self._candidate(proposal, outcome, offset.relative)
         scores = {**candidate.scores, "share": offset.share}
         candidate = replace(candidate, covariance=offset.covariance, scores=scores)

@@ -26,6 +26,11 @@ class ScanMatchSettings(BaseModel, frozen=True, extra="forbid"):
     sigma: float = Field(0.015, gt=0, description="least error of a pair [m]")
 
 
+def seen_scans() -> ScanMatchSettings:
+    """Return the settings for distances seen by the ground line, which are rougher than measured ones."""
+    return ScanMatchSettings(flatness=0.2, widest=0.4, narrowest=0.15, min_share=0.15, sigma=0.04)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class ScanMatch:
     """`a_from_b` (3,) of two scans with its covariance (3, 3) and the share of rays that found a partner.

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-import cv2
 import numpy as np
 
 from topomap.errors import DataError
 from topomap.geometry import FloatArray
 from topomap.types import Float32Array
+from topomap.vision.ground_line import ground_line, ground_ranges
 from topomap.vision.panorama import Panorama
 
 Source = Literal["range", "ground", "polynomial", "equal"]
@@ -38,11 +38,9 @@ def _distances(panorama: Panorama, source: Source) -> Distances:
         if panorama.ranges is None:
             raise DataError("this homing method needs measured ranges, and the panorama has none")
         return filled(panorama.ranges)
-    rows = ground_rows(panorama)
-    below = np.maximum(rows - panorama.rig.horizon_row, 1.0)
     if source == "ground":
-        return Distances(panorama.rig.camera_height * panorama.rig.focal / below, 1.0)
-    return Distances(polynomial(panorama.rig.height - 1 - rows), 1.0)
+        return filled(ground_ranges(panorama))
+    return Distances(polynomial(panorama.rig.height - 0.5 - ground_line(panorama).rows), 1.0)
 
 
 def filled(ranges: Float32Array) -> Distances:
@@ -62,27 +60,3 @@ def polynomial(rows_up: FloatArray) -> FloatArray:
     """
     metres: FloatArray = (10.0 + 5.0 * rows_up + 0.0143 * rows_up**2 + 0.00018 * rows_up**3) / 100.0
     return metres
-
-
-def ground_rows(panorama: Panorama) -> FloatArray:
-    """Return the row (W,) of each column where the floor ends: the strongest horizontal edge below the horizon.
-
-    The edge is where the mean colour above and below differs most (5.1.1.2), smoothed along the bearing.
-    """
-    first = min(int(panorama.rig.horizon_row) + 1, panorama.rig.height - 1)
-    below = panorama.image[first:].astype(np.float32)
-    count = len(below)
-    if count < 3:
-        return np.full(panorama.rig.width, float(panorama.rig.height - 1))
-    summed = np.cumsum(below, axis=0)
-    size = np.arange(1, count, dtype=np.float32)[:, np.newaxis, np.newaxis]
-    # mean above minus mean below, times the square root of their sizes' product
-    contrast = summed[:-1] * (count / np.sqrt(size * (count - size))) - summed[-1] * np.sqrt(size / (count - size))
-    highest = _smooth(np.abs(contrast).sum(axis=2)).argmax(axis=0)
-    return np.asarray(highest + (first + 0.5), np.float64)
-
-
-def _smooth(score: Float32Array) -> Float32Array:
-    pad = min(8, score.shape[1])
-    wrapped = np.concatenate([score[:, -pad:], score, score[:, :pad]], axis=1)
-    return np.asarray(cv2.blur(wrapped, (9, 1))[:, pad : pad + score.shape[1]], np.float32)
