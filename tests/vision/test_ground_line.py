@@ -44,9 +44,10 @@ def test_a_line_goes_on_across_the_seam_and_breaks_where_a_thing_stands_before_i
     assert abs(found[5] - line[5]) <= 1
 
 
-@pytest.mark.parametrize(
-    ("world", "pose"), [("office-loop", (12.0, 0.0, 0.3)), ("ourlab", (2.5, 2.5, 1.0)), ("room-corridor", (3.0, 2.0, 0.5))]
-)
+PLACES = [("office-loop", (12.0, 0.0, 0.3)), ("ourlab", (2.5, 2.5, 1.0)), ("room-corridor", (3.0, 2.0, 0.5))]
+
+
+@pytest.mark.parametrize(("world", "pose"), PLACES)
 def test_distances_are_those_of_the_world(world: str, pose: tuple[float, float, float]) -> None:
     view = world_recipe(world, 1, ()).arena().source.view(*pose)
     assert view.ranges is not None
