@@ -45,6 +45,12 @@ def test_variants_are_every_combination(tmp_path: Path) -> None:
     assert not any(" " in str(task.folder.relative_to(tmp_path)) for task in tasks)
 
 
+def test_the_example_holds_settings_that_there_are(tmp_path: Path) -> None:
+    example = Path(__file__).parents[2] / "examples" / "sweeps" / "conditions.toml"
+    tasks = plan([DEN], [0], None, SHORT, variants([], example), tmp_path)
+    assert len({task.config.model_dump_json() for task in tasks}) == len(tasks) >= 8
+
+
 @pytest.mark.parametrize(
     ("vary", "text", "says"),
     [
