@@ -29,7 +29,7 @@ def swept(runs: Sequence[SweptRun]) -> Figure:
     ate.set_yticks(range(len(rows)), list(rows), fontsize=8)
     ate.set_ylim(len(rows) - 0.5, -0.5)
     recall.set_xlim(-0.03, 1.03)
-    false.set_xlim(left=-0.2)
+    false.set_xlim(-0.3, max(3.0, false.get_xlim()[1]))
     style.legend_below(figure, ate, 3)
     return figure
 
@@ -57,7 +57,7 @@ def _sigmas(axes: Axes, rows: Sequence[Row]) -> None:
     colours = (style.BLUE, style.GREEN, style.PURPLE)
     for name, colour, lane in zip(ERRORS, colours, LANES.tolist(), strict=True):
         _points(axes, rows, deviation(name), style.Mark(colour, "o", name.replace("_", " ")), lane)
-    axes.legend(fontsize=7.5, frameon=False, loc="upper right")
+    axes.legend(fontsize=8, frameon=False, loc="upper center", bbox_to_anchor=(0.5, -0.22), ncols=3, handletextpad=0)
 
 
 def _points(axes: Axes, rows: Sequence[Row], value: Value, look: style.Mark, lane: float) -> None:
