@@ -3,8 +3,8 @@
 from topomap.app.views import world_recipe
 from topomap.study.homing_bench import BenchSettings, bench
 from topomap.study.homing_contestant import Pairwise
-from topomap.study.homing_pool import Store, workers
 from topomap.study.homing_table import HEADINGS, cells
+from topomap.study.pool import Store, workers
 from topomap.vision.homing.moment import Moment
 
 variants = [Pairwise("perimeter", Moment(2.0, "equal")), Pairwise("area", Moment(2.0, "equal", "area"))]

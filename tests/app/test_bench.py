@@ -13,7 +13,7 @@ from topomap.app.views import WorldViews, world_arena, world_recipe
 from topomap.cli.main import app
 from topomap.errors import DataError, TopomapError
 from topomap.study.homing_bench import BenchSettings
-from topomap.study.homing_pool import Store
+from topomap.study.pool import Store
 
 
 @pytest.fixture(scope="module")

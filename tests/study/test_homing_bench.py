@@ -14,8 +14,8 @@ from topomap.study.homing_bench import BenchSettings, Table, bench, tasks
 from topomap.study.homing_contestant import Pairwise, compass, contestants
 from topomap.study.homing_field import HomeField, TurnsTask
 from topomap.study.homing_figures import method_figure, save, sheet
-from topomap.study.homing_pool import Store, workers
 from topomap.study.homing_table import as_json, cells, title, unfit, write_table
+from topomap.study.pool import Store, workers
 
 EXACT, TURNED, SILENT = (
     Pairwise("exact", Knowing()),

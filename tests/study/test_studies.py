@@ -10,8 +10,8 @@ from topomap.geometry import TAU, wrap
 from topomap.study.homing_arena import Arena, Recipe
 from topomap.study.homing_bench import Table
 from topomap.study.homing_contestant import Pairwise
-from topomap.study.homing_pool import Store, workers
-from topomap.study.homing_statistics import angular_errors
+from topomap.study.pool import Store, workers
+from topomap.study.statistics import angular_errors
 from topomap.study.studies import STUDIES, Lab, converging, masks_score, moved, occlusion, routes, stationary
 from topomap.study.studies.pillars import Pillar, Room, painted, plain, room_arena, room_recipe, square_grid
 from topomap.study.studies.study import near_and_far

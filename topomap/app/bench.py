@@ -16,9 +16,9 @@ from topomap.study.homing_arena import Point, Recipe
 from topomap.study.homing_bench import BenchSettings, Table, bench, tasks
 from topomap.study.homing_contestant import Contestant, compass, contestants
 from topomap.study.homing_figures import method_figure, save, sheet
-from topomap.study.homing_pool import Store, workers
 from topomap.study.homing_table import write_table
 from topomap.study.places import PlaceScore, place_scores
+from topomap.study.pool import Store, workers
 from topomap.study.studies import STUDIES, Lab, Study
 from topomap.study.summary import write_whole
 

@@ -13,7 +13,7 @@ from topomap.app.runs import RunResult, conclude
 from topomap.app.wiring import versions
 from topomap.study.datasets.tuc import read_tuc
 from topomap.study.figures_recording import firmness
-from topomap.study.homing_pool import Store, workers
+from topomap.study.pool import Store, workers
 from topomap.study.recording_bench import RecordingRow, RecordingTask, Variation, to_csv, to_json
 from topomap.study.summary import write_whole
 from topomap.study.tuc_map import map_tuc as map_recording

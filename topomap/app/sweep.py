@@ -19,7 +19,7 @@ from topomap.app.folder import RunFolder
 from topomap.app.wiring import versions
 from topomap.errors import ConfigError
 from topomap.study.figures_sweep import swept
-from topomap.study.homing_pool import Store, digest_files, workers
+from topomap.study.pool import Store, digest_files, workers
 from topomap.study.summary import write_whole
 from topomap.study.sweep_table import SweptRun, to_csv, to_json
 
@@ -36,7 +36,7 @@ class Variant:
 
 @dataclass(frozen=True, slots=True)
 class RunTask:
-    """One run of a sweep: a homing_pool Task whose result is the run's summary."""
+    """One run of a sweep: a pool Task whose result is the run's summary."""
 
     world: str
     variant: str

@@ -21,7 +21,7 @@ from sim2d.world import World
 from topomap.errors import DataError
 from topomap.geometry import FloatArray
 from topomap.study.homing_arena import Arena, Point, Recipe, central
-from topomap.study.homing_pool import digest_files
+from topomap.study.pool import digest_files
 from topomap.types import Image, Plan
 from topomap.vision.panorama import Panorama
 

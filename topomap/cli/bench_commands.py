@@ -48,7 +48,7 @@ def homing(
     from topomap.app import bench
     from topomap.app.words import cores
     from topomap.study.homing_bench import BenchSettings
-    from topomap.study.homing_pool import Store, default_folder
+    from topomap.study.pool import Store, default_folder
 
     settings = BenchSettings(compass=compass, starts=starts, within=within)
     asked = bench.request(env, grid, methods, seeds, home, settings, view)
@@ -98,7 +98,7 @@ def study(
     """Repeat one of the thesis's experiments; write its figure and the figures behind it."""
     from topomap.app import bench
     from topomap.app.words import cores
-    from topomap.study.homing_pool import Store, default_folder
+    from topomap.study.pool import Store, default_folder
 
     store = Store(None if fresh else default_folder())
     for one in [one.name for one in bench.available()] if name == "all" else [name]:
@@ -120,8 +120,8 @@ def places(
     """Place recognition and compass of every aligner on real photographs."""
     from topomap.app import bench
     from topomap.app.words import cores
-    from topomap.study.homing_pool import Store, default_folder
     from topomap.study.places import names
+    from topomap.study.pool import Store, default_folder
 
     store = Store(None if fresh else default_folder())
     with progress("places", len(names())) as advance:

@@ -11,7 +11,7 @@ import typer
 from topomap.cli.console import console, progress, show_wide
 
 if TYPE_CHECKING:
-    from topomap.study.homing_statistics import Interval
+    from topomap.study.statistics import Interval
     from topomap.study.sweep_table import Line, Spread
 
 HEADINGS = (

@@ -15,15 +15,15 @@ from topomap.geometry import FloatArray, wrap_all
 from topomap.study.homing_arena import Point, Recipe, bearings_home
 from topomap.study.homing_contestant import GIVEN, Contestant, compass
 from topomap.study.homing_field import FieldTask, HomeField, Survey, SurveyTask, Turns, TurnsTask, grid_walks
-from topomap.study.homing_pool import Workers
-from topomap.study.homing_statistics import (
+from topomap.study.homing_walk import Walk, WalkSettings
+from topomap.study.pool import Workers
+from topomap.study.statistics import (
     Interval,
     angular_errors,
     mean_interval,
     paired_bootstrap,
     share_interval,
 )
-from topomap.study.homing_walk import Walk, WalkSettings
 
 
 class BenchSettings(BaseModel, frozen=True, extra="forbid"):

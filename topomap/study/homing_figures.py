@@ -19,7 +19,7 @@ from topomap.geometry import FloatArray
 from topomap.study import figures_style as style
 from topomap.study.homing_arena import Point, bearings_home
 from topomap.study.homing_bench import Entry, Row, Table
-from topomap.study.homing_statistics import angular_errors
+from topomap.study.statistics import angular_errors
 from topomap.types import Plan
 
 ERRORS: Colormap = LinearSegmentedColormap.from_list("errors", ["#0072B2", "#56B4E9", "#E69F00", "#D55E00", "#7A1F00"])

@@ -10,7 +10,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 from topomap.study.homing_bench import Row, Table
-from topomap.study.homing_statistics import Interval
+from topomap.study.statistics import Interval
 from topomap.study.summary import write_whole
 
 HEADINGS = (

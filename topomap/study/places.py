@@ -16,7 +16,7 @@ from topomap.contract import Aligner
 from topomap.errors import DataError
 from topomap.geometry import TAU, FloatArray, wrap
 from topomap.rig import Rig
-from topomap.study.homing_pool import Workers
+from topomap.study.pool import Workers
 from topomap.vision.alignment import ALIGNERS
 from topomap.vision.decode import decode
 from topomap.vision.panorama import Panorama

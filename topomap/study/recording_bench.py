@@ -52,7 +52,7 @@ class RecordingRow:
 
 @dataclass(frozen=True, slots=True)
 class RecordingTask:
-    """Map a recording one way: a homing_pool Task."""
+    """Map a recording one way: a pool Task."""
 
     path: Path
     variation: Variation

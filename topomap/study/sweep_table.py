@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from topomap.study.homing_statistics import Interval, share_interval
+from topomap.study.statistics import Interval, share_interval
 
 ERRORS = ("rotation_scale", "curvature", "distance_scale")
 SIGMAS = 2.0  # a found value counts as right within so many of its own

@@ -13,8 +13,8 @@ from topomap.geometry import TAU, FloatArray, wrap, wrap_all
 from topomap.study import figures_style as style
 from topomap.study.homing_arena import Arena, Point, bearings_home
 from topomap.study.homing_contestant import Referenced, view_at
-from topomap.study.homing_statistics import angular_errors
 from topomap.study.homing_table import JsonValue
+from topomap.study.statistics import angular_errors
 from topomap.study.studies.study import Finding, Lab, away_from_home, near_and_far
 from topomap.vision.homing.random_masks import RandomMasks, ReferenceMasks
 from topomap.vision.masks import MaskSpec, masks, scores

@@ -14,7 +14,7 @@ from topomap.study.homing_arena import Arena, bearings_home
 from topomap.study.homing_bench import Entry
 from topomap.study.homing_contestant import Contestant, Pairwise, contestant
 from topomap.study.homing_figures import vector_map
-from topomap.study.homing_statistics import angular_errors, mean_interval
+from topomap.study.statistics import angular_errors, mean_interval
 from topomap.study.studies.pillars import Pillar, Room, painted, room_arena, room_recipe
 from topomap.study.studies.study import Curve, Finding, Lab, curve_values, draw_groups
 from topomap.vision.homing.moment import Moment

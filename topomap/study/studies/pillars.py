@@ -12,7 +12,7 @@ from topomap.contract import ViewSource
 from topomap.geometry import TAU, FloatArray
 from topomap.rig import Rig
 from topomap.study.homing_arena import Arena, Recipe
-from topomap.study.homing_pool import digest_files
+from topomap.study.pool import digest_files
 from topomap.types import Image, Plan
 from topomap.vision.panorama import Panorama
 

@@ -9,7 +9,7 @@ from topomap.study import figures_style as style
 from topomap.study.homing_arena import Point, bearings_home
 from topomap.study.homing_contestant import contestant
 from topomap.study.homing_field import Turns, TurnsTask
-from topomap.study.homing_statistics import angular_errors, mean_interval
+from topomap.study.statistics import angular_errors, mean_interval
 from topomap.study.studies.study import Curve, Finding, Lab, binned, curve_values, curves_finding, draw_groups
 from topomap.vision.alignment import ALIGNERS
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from topomap.geometry import TAU, FloatArray
 from topomap.study.homing_contestant import Bound, Pairwise
-from topomap.study.homing_statistics import angular_errors, mean_interval
+from topomap.study.statistics import angular_errors, mean_interval
 from topomap.study.studies.pillars import Pillar, Room, plain
 from topomap.study.studies.study import Curve, Finding, Lab, curves_finding
 from topomap.vision.homing.acv import AverageCorrectionalVector

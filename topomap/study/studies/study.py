@@ -15,8 +15,8 @@ from topomap.study import figures_style as style
 from topomap.study.homing_arena import Arena, Point, Recipe
 from topomap.study.homing_bench import BenchSettings, Row, Table, bench
 from topomap.study.homing_contestant import Contestant
-from topomap.study.homing_pool import Workers
 from topomap.study.homing_table import JsonValue
+from topomap.study.pool import Workers
 
 COLOURS = (style.BLUE, style.RED, style.GREEN, style.PURPLE, style.AMBER, style.BLACK, style.GREY, "#56B4E9")
 SHAPES = ("o", "s", "^", "D", "v", "P", "X", "*")

@@ -1,4 +1,4 @@
-"""The figures of a homing table: means with intervals, shares with intervals, differences with intervals."""
+"""The figures of a table over trials: means, shares and differences with their intervals."""
 
 from __future__ import annotations
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
-from topomap.study.homing_statistics import angular_errors, mean_interval, paired_bootstrap, share_interval
+from topomap.study.statistics import angular_errors, mean_interval, paired_bootstrap, share_interval
 
 
 def test_mean_with_students_interval() -> None:

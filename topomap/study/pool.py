@@ -23,6 +23,8 @@ T = TypeVar("T")
 DECIDING = (
     "vision/**/*.py",
     "study/homing_*.py",
+    "study/pool.py",
+    "study/statistics.py",
     "study/places.py",
     "study/datasets/*.py",
     "geometry.py",
