@@ -91,3 +91,18 @@ def test_small_panoramas_dont_crash(width: int, height: int) -> None:
     assert math.isfinite(found.rotation)
     assert found.home is not None
     assert found.home.confidence <= 1.0
+
+
+def mirrored(panorama: Panorama) -> Panorama:
+    """What would be seen in a mirror: the bearing of every thing reversed."""
+    return Panorama(panorama.image[:, -np.arange(panorama.rig.width)], None, panorama.rig)
+
+
+def test_neither_side_is_favoured() -> None:
+    """In a mirror the rotation is reversed: an average over straight drives has no side of its own."""
+    room = Room(seed=4)
+    for k in range(12):
+        goal, current = room.view(1.5 + 0.3 * k, 3.0, 0.0), room.view(1.9 + 0.3 * k, 3.0, 0.02)
+        seen = best(warp(warping_view(current, WARPING), warping_view(goal, WARPING), 0.0, 0.5)).rotation
+        views = warping_view(mirrored(current), WARPING), warping_view(mirrored(goal), WARPING)
+        assert best(warp(*views, 0.0, 0.5)).rotation == pytest.approx(-seen, abs=math.radians(0.02))
