@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from topomap.cli.console import console, progress, show_wide
+from topomap.cli.console import console, grid, progress, show_wide
 
 if TYPE_CHECKING:
     from topomap.study.homing_bench import Table
@@ -84,7 +84,7 @@ def studies() -> None:
     from topomap.app import bench
 
     rows = [(one.name, one.source, ", ".join(one.environments) or "own", one.question) for one in bench.available()]
-    _grid("studies", ("name", "figures", "environment", "question"), rows)
+    _table("studies", ("name", "figures", "environment", "question"), rows)
 
 
 @benches.command()
@@ -131,7 +131,7 @@ def places(
          f"{s.compass_mean_deg:.1f}", f"{s.ms:.2f}")
         for s in scores if s.unfit is None
     ]  # fmt: skip
-    _grid(
+    _table(
         f"{folder.name}: median place error over {max(s.queries for s in scores)} queries",
         ("aligner", "place [m]", "nearest [m]", "compass median [deg]", "mean [deg]", "ms"),
         rows,
@@ -141,12 +141,8 @@ def places(
             console.print(f"Left out, {s.unfit}: {s.aligner}")
 
 
-def _grid(title: str, headings: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> None:
-    from rich.table import Table as Grid
-
-    shown = Grid(title=title, title_justify="left")
-    for name in headings:
-        shown.add_column(name, overflow="fold")
+def _table(title: str, headings: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> None:
+    shown = grid(title, headings)
     for row in rows:
         shown.add_row(*row)
     show_wide(shown)

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import signal
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from types import FrameType
 
 from rich.console import Console
+from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
@@ -34,6 +35,14 @@ def table(rows: list[tuple[str, str]], title: str) -> None:
     for name, value in rows:
         shown.add_row(name, value)
     console.print(shown)
+
+
+def grid(title: str, headings: Sequence[str], lines: bool = False) -> Table:
+    """Return an empty table whose cells are never cut; lines: between its rows. Brackets are no markup."""
+    shown = Table(title=escape(title), title_justify="left", show_lines=lines)
+    for heading in headings:
+        shown.add_column(escape(heading), overflow="fold")
+    return shown
 
 
 def show_wide(shown: Table) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 import typer
 
 from topomap.cli.bench_commands import benches
-from topomap.cli.console import console, show_wide
+from topomap.cli.console import console, grid, show_wide
 
 HEADINGS = ("graph", "false", "method", "runs", "stopped", "precision, least", "false kept, most", "recall",
             "recall, least", "ATE [m]", "odometry [m]", "time [s]")  # fmt: skip
@@ -29,8 +29,6 @@ def graphs(
     out: Path = typer.Option(Path("runs") / "bench" / "graphs", help="Folder for table and figure."),
 ) -> None:
     """Inject false closures into pose graphs: precision, recall, error and time beside gtsam's optimisers."""
-    from rich.table import Table
-
     from topomap.app import graph_bench
     from topomap.app.words import parse_seeds
     from topomap.mapping.backend.peers import PEERS
@@ -49,7 +47,7 @@ def graphs(
             lambda row: status.update(f"{row.graph} {row.false_share:.0%} {row.method}"),
         )
     title = f"injected false closures; a run of a peer is stopped after {limit:g} s"
-    shown = Table(*HEADINGS, title=title, title_justify="left")
+    shown = grid(title, HEADINGS)
     for line in graph_bench.table(rows):
         shown.add_row(*line)
     show_wide(shown)

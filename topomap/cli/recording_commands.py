@@ -7,7 +7,7 @@ from pathlib import Path
 import typer
 
 from topomap.cli.bench_commands import OUT, benches
-from topomap.cli.console import console, progress, show_wide
+from topomap.cli.console import console, grid, progress, show_wide
 
 HEADINGS = ("what is varied", "runs", "ATE SE(2) [m]", "Sim(2) [m]", "kept", "false, most", "gross, most",
             "curvature [rad/m]", "time, most [s]", "worst")  # fmt: skip
@@ -24,8 +24,6 @@ def recording(
     out: Path = typer.Option(OUT / "recording", help="Folder for table and figure."),
 ) -> None:
     """Map a recorded drive with every setting moved by 20 %, other starting curvatures, a tenth of its candidates."""
-    from rich.table import Table
-
     from topomap.app import recordings
     from topomap.app.words import cores
     from topomap.study.recording_bench import variations, worst
@@ -33,7 +31,7 @@ def recording(
     which = variations()
     with progress("recording", len(which)) as advance:
         rows = recordings.bench(path, which, jobs or cores(), advance)
-    shown = Table(*HEADINGS, title=f"{path.resolve().name}: least to most over the variations", title_justify="left")
+    shown = grid(f"{path.resolve().name}: least to most over the variations", HEADINGS)
     for group, runs, best, last in worst(rows):
         own = [row for row in rows if row.group == group]
         shown.add_row(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from topomap.cli.console import console, progress, show_wide
+from topomap.cli.console import console, grid, progress, show_wide
 
 if TYPE_CHECKING:
     from topomap.study.statistics import Interval
@@ -39,8 +39,6 @@ def sweep(
     out: Path = typer.Option(Path("runs") / "sweep", help="Folder for table, figure and the runs' own folders."),
 ) -> None:
     """Run worlds over seeds and variants of the settings: accuracy, closures, calibration, way home; one table."""
-    from rich.table import Table
-
     from topomap.app import sweep as sweeps
     from topomap.app.words import cores, parse_seeds
     from topomap.study.sweep_table import lines
@@ -48,9 +46,7 @@ def sweep(
     tasks = sweeps.plan(worlds, parse_seeds(seeds), config, settings, sweeps.variants(vary, variants), out)
     with progress("sweep", len(tasks)) as advance:
         found = sweeps.run_sweep(tasks, jobs or cores(), fresh, out, advance)
-    shown = Table(title="over the seeds: mean, least to most", title_justify="left", show_lines=True)
-    for heading in HEADINGS:
-        shown.add_column(heading, overflow="fold")
+    shown = grid("over the seeds: mean, least to most", HEADINGS, lines=True)
     for line in lines(found):
         shown.add_row(*cells(line))
     show_wide(shown)
