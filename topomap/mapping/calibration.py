@@ -22,7 +22,7 @@ class DistanceScaleSettings(BaseModel, frozen=True, extra="forbid"):
     min_moves: int = Field(8, ge=2, description="moves before the scale counts as seen")
     outlier: float = Field(3.0, gt=0, description="moves this many sigmas from the others don't count")
     floor: float = Field(0.002, gt=0, le=0.1, description="error that more moves don't take away")
-    seen_floor: float = Field(0.015, gt=0, le=0.1, description="... where moves were seen, not measured by ranges")
+    seen_floor: float = Field(0.015, gt=0, le=0.1, description="... by the share of moves that were seen, not measured")
     prior_sigma: float = Field(0.1, gt=0, le=1, description="sigma of the scale before anything is seen")
 
 
@@ -31,8 +31,7 @@ class DistanceScale:
 
     def __init__(self, settings: DistanceScaleSettings | None = None) -> None:
         self._s = settings or DistanceScaleSettings()
-        self._moves: list[tuple[float, float]] = []
-        self._floor = self._s.floor
+        self._moves: list[tuple[float, float, bool]] = []
 
     def add(self, read: float, measured: float, sigma: float, seen: bool = False) -> None:
         """Take a move: way as the odometer read it, as it was measured, and the error of their difference [m].
@@ -40,23 +39,23 @@ class DistanceScale:
         seen: measured by the ground line, whose bias more moves don't take away either.
         """
         if measured > 0 and abs(read / measured - 1.0) <= self._s.max_change:
-            self._moves.append((read / measured, sigma / measured))
-            self._floor = max(self._floor, self._s.seen_floor if seen else 0.0)
+            self._moves.append((read / measured, sigma / measured, seen))
 
     def estimate(self) -> Estimate:
         """Return the distance scale with its sigma; 1 with the prior's sigma as long as it isn't observed."""
         unknown = Estimate(1.0, self._s.prior_sigma, False)
         if len(self._moves) < self._s.min_moves:
             return unknown
-        scales, sigmas = np.array(self._moves).T
+        scales, sigmas, seen = np.array(self._moves).T
         away = np.abs(scales - np.median(scales))
         # sigmas are only known up to a factor: the moves' own spread gives it
         sigmas = sigmas * max(1.0, MAD_TO_SIGMA * float(np.median(away / sigmas)))
         weights = np.where(away <= self._s.outlier * sigmas, sigmas**-2.0, 0.0)
-        sigma = math.hypot(float(weights.sum()) ** -0.5, self._floor)
+        total = float(weights.sum())
+        sigma = math.hypot(total**-0.5, self._s.floor, self._s.seen_floor * float(weights @ seen) / total)
         if sigma > 0.5 * self._s.prior_sigma:
             return unknown
-        return Estimate(float(weights @ scales / weights.sum()), sigma, True)
+        return Estimate(float(weights @ scales / total), sigma, True)
 
 
 def calibration_state(
