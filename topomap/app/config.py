@@ -44,7 +44,7 @@ def load_config(path: Path | None = None, overrides: Iterable[str] = ()) -> RunC
 
     Raises ConfigError with one line that names the file or word, the key, the value and what would be right.
     """
-    return parse_config(_read(path) if path else {}, str(path), overrides)
+    return parse_config(read_toml(path) if path else {}, str(path), overrides)
 
 
 def parse_config(values: dict[str, Any], source: str, overrides: Iterable[str] = ()) -> RunConfig:
@@ -59,7 +59,8 @@ def parse_config(values: dict[str, Any], source: str, overrides: Iterable[str] =
     return config
 
 
-def _read(path: Path) -> dict[str, Any]:
+def read_toml(path: Path) -> dict[str, Any]:
+    """Return the tables of a TOML file. Raises ConfigError with one line that names it."""
     try:
         return tomllib.loads(path.read_text(encoding="utf8"))
     except OSError as error:

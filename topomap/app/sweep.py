@@ -14,7 +14,7 @@ from typing import Any
 
 import topomap
 from topomap.app import runs
-from topomap.app.config import RunConfig, load_config
+from topomap.app.config import RunConfig, load_config, read_toml
 from topomap.app.folder import RunFolder
 from topomap.app.wiring import versions
 from topomap.errors import ConfigError
@@ -122,12 +122,7 @@ def _axis(word: str) -> tuple[str, list[Any]]:
 
 
 def _named(file: Path) -> list[Variant]:
-    try:
-        tables = tomllib.loads(file.read_text(encoding="utf8"))
-    except OSError as error:
-        raise ConfigError(f"{file}: cannot be read: {error.strerror or error}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ConfigError(f"{file}: not a TOML file: {error}") from error
+    tables = read_toml(file)
     for name, table in tables.items():
         if not isinstance(table, dict):
             raise ConfigError(f"{file}: {name} = {table!r}: expected a table of settings, as in [{name}]")
