@@ -13,6 +13,7 @@ from topomap.mapping.backend.problem import ClosureEdge
 from topomap.mapping.correction import Correction
 from topomap.mapping.evidence import GateSettings, OdometryGate
 from topomap.mapping.ledger import Ledger, key_of
+from topomap.mapping.likeness import Likeness, LikenessSettings
 from topomap.mapping.odometry import IntArray
 from topomap.mapping.offset import ClosureOffset, OffsetSettings
 from topomap.mapping.quorum import Quorum, QuorumSettings
@@ -30,6 +31,7 @@ class ClosingSettings(BaseModel, frozen=True, extra="forbid"):
     gate: GateSettings = Field(default_factory=lambda: GateSettings(probability=0.95))
     reach: float = Field(0.99, gt=0.5, lt=1, description="probability that the true place is among those compared")
     offset: OffsetSettings = Field(default_factory=OffsetSettings)
+    likeness: LikenessSettings = Field(default_factory=LikenessSettings)
     quorum: QuorumSettings = Field(default_factory=QuorumSettings)
     alone: float = Field(
         1.2, gt=0, description="where odometry knows the place better than this, it leaves no other [m]"
@@ -54,6 +56,7 @@ class Closing:
         self._verification = Verification(settings.verification, aligner)
         self._gate = OdometryGate(settings.gate)
         self._offset = ClosureOffset(settings.offset)
+        self._likeness = Likeness(settings.likeness)
         self._quorum = Quorum(settings.quorum, survey.map)
         self._testimonies: list[tuple[Candidate, bool, str]] = []
         self._ways = Ways(survey.map, correction, settings.offset.position_sigma, settings.reach)
@@ -113,6 +116,8 @@ class Closing:
         candidate = self._candidate(proposal, outcome, offset.relative)
         scores = {**candidate.scores, "share": offset.share}
         candidate = replace(candidate, covariance=offset.covariance, scores=scores)
+        if unlike := self._likeness.objection(candidate.scores["cost"], offset):
+            return [self._ledger.decide(stamp_ns, candidate, Verdict.REFUSED, unlike)]
         return self._by_odometry(stamp_ns, candidate, open_places)
 
     def _candidate(self, proposal: Proposal, outcome: Outcome, relative: Pose2) -> Candidate:

@@ -8,14 +8,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field
-from scipy.special import pdtrc
 
 from topomap.geometry import FloatArray, between, compose, wrap_all
 from topomap.mapping.chain import Chain, composed_covariance
 from topomap.mapping.odometry import IntArray
 
 BoolArray = NDArray[np.bool_]
-AGREEING = 7.815  # chi-squared of 3 degrees of freedom, 95 %
 
 
 class SupportSettings(BaseModel):
@@ -66,30 +64,6 @@ def company(claims: Claims, travelled: FloatArray, window: float) -> FloatArray:
     return total
 
 
-def surprise(
-    relative: FloatArray, covariance: FloatArray, i: IntArray, j: IntArray, chain: Chain, window: float, volume: float
-) -> tuple[FloatArray, FloatArray]:
-    """Return how many others agree with each of M closures (M,), and the probability that so many do by chance (M,).
-
-    relative (M, 3) `i_from_j` with covariance (M, 3, 3); i, j: chain positions. Two closures with both ends within the
-    window [m] agree when the loop through both closes to its own covariance (95 %; Mangelson et al. 2018, eq. 8);
-    unrelated ones do so with the share that its ellipsoid has of volume [m^2 rad], all that a claim might say.
-    """
-    weight = np.ones(len(i))
-    claims = Claims(i, j, relative, np.zeros(len(i), bool), weight)
-    a, b = neighbours(claims, chain.travelled, window)
-    gap, spread = loops(relative, covariance, i, j, chain, a, b)
-    chi2 = (gap * np.linalg.solve(spread, gap[:, :, None])[:, :, 0]).sum(axis=1)
-    ellipsoid = 4 / 3 * math.pi * AGREEING**1.5 * np.sqrt(np.linalg.det(spread))
-    chance = np.minimum(1.0, ellipsoid / volume)
-    agree = (chi2 <= AGREEING).astype(float)
-    found, expected = np.zeros(len(i)), np.zeros(len(i))
-    for end in (a, b):
-        np.add.at(found, end, agree)
-        np.add.at(expected, end, chance)
-    return found, np.where(found > 0, pdtrc(np.maximum(found - 1, 0), np.maximum(expected, 1e-300)), 1.0)
-
-
 def loops(
     relative: FloatArray, covariance: FloatArray, i: IntArray, j: IntArray, chain: Chain, a: IntArray, b: IntArray
 ) -> tuple[FloatArray, FloatArray]:
@@ -97,11 +71,22 @@ def loops(
 
     relative (M, 3) `i_from_j` with covariance (M, 3, 3); i, j (M,): chain positions.
     """
-    along_i = between(chain.poses[i[a]], chain.poses[i[b]])
-    along_j = between(chain.poses[j[a]], chain.poses[j[b]])
+    return loops_between(
+        relative, covariance, (i, j), chain.poses, a, b, chain.covariance(i[a], i[b]), chain.covariance(j[a], j[b])
+    )
+
+
+def loops_between(
+    relative: FloatArray, covariance: FloatArray, ends: tuple[IntArray, IntArray], poses: FloatArray,
+    a: IntArray, b: IntArray, known_i: FloatArray, known_j: FloatArray,
+) -> tuple[FloatArray, FloatArray]:  # fmt: skip
+    """Return the same where covariances of `ia_from_ib` and `ja_from_jb` (P, 3, 3) are given; poses (N, 3)."""
+    i, j = ends
+    along_i = between(poses[i[a]], poses[i[b]])
+    along_j = between(poses[j[a]], poses[j[b]])
     one, other = compose(relative[a], along_j), compose(along_i, relative[b])
-    first = composed_covariance(relative[a], covariance[a], along_j, chain.covariance(j[a], j[b]))
-    second = composed_covariance(along_i, chain.covariance(i[a], i[b]), relative[b], covariance[b])
+    first = composed_covariance(relative[a], covariance[a], along_j, known_j)
+    second = composed_covariance(along_i, known_i, relative[b], covariance[b])
     gap = other - one
     gap[:, 2] = wrap_all(gap[:, 2])
     return gap, first + second

@@ -11,9 +11,9 @@ from scipy.special import chdtri
 from topomap.geometry import FloatArray, between, wrap_all
 from topomap.mapping.backend import BackendSettings, Closures, Problem, solve
 from topomap.mapping.backend.blocks import closure_chi2
-from topomap.mapping.consistency import surprise
 from topomap.mapping.odometry import Calibration, EdgeIncrements, IntArray
 from topomap.study.datasets.g2o import BoolArray, PoseGraph
+from topomap.study.graph_groups import Bar, credible_groups
 from topomap.study.graph_noise import rescaled, variance_factor
 from topomap.study.graph_odds import crowding, log_odds
 from topomap.study.graph_odometry import HELD, chain_of, extended, odometry_edges, odometry_poses, volume
@@ -22,6 +22,10 @@ from topomap.study.graph_paths import Paths
 
 def _growing() -> BackendSettings:
     return BackendSettings(cutoffs=(1e3, 1e3, 10.0), iterations=2, tolerance=0.02)
+
+
+def _joining() -> BackendSettings:
+    return BackendSettings(cutoffs=(1e5, 1e5, 1e4, 1e3, 1e2, 10.0), iterations=2, tolerance=0.02)
 
 
 def _closing() -> BackendSettings:
@@ -33,18 +37,22 @@ class GraphSettings(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    windows: tuple[float, ...] = Field(
-        default=(8.0, 16.0, 32.0), min_length=1, description="ways within which both ends of neighbours lie [m]"
-    )
     gate: float = Field(default=0.999, gt=0.5, lt=1, description="share of true closures that the map lets pass")
     risk: float = Field(default=0.1, gt=0, lt=1, description="closures believed by chance at most if all were false")
+    known: float = Field(default=0.5, gt=0, description="headings of closures' ends are so well known in a group [rad]")
+    strays: float = Field(default=0.01, gt=0, lt=1, description="members that a false closure joins by chance [share]")
+    together: float = Field(default=0.03, gt=0, lt=1, description="groups believed by chance at most")
+    clear: float = Field(
+        default=1.5, ge=1, description="a group's log odds are so many times what they must be while more is to come"
+    )
     standing: float = Field(
         default=1.0, gt=0, description="a believed one is so much likelier true at the end, by the rest of the map"
     )
     turn: float = Field(default=0.3, gt=0, description="what odometry's heading may be off between solves [rad]")
     solves: int = Field(default=20, ge=1, description="solves while growing at most")
-    rounds: int = Field(default=6, ge=1, description="how often the finished map hears all closures again")
+    rounds: int = Field(default=40, ge=1, description="how often the finished map hears all closures again")
     growing: BackendSettings = Field(default_factory=_growing, description="the solve with new closures")
+    joining: BackendSettings = Field(default_factory=_joining, description="the solve with groups, which move far")
     closing: BackendSettings = Field(default_factory=_closing, description="the last solves")
 
 
@@ -76,27 +84,15 @@ class Growth:
         self._odometry = chain_of(odometry_poses(graph), self._integrated)
         self._volume = volume(self._odometry.poses)
         self._limit = float(chdtri(3, 1 - settings.gate))
-        self._chance = self._agreement()
-        self._odds = np.log(max(1, len(self._closures)) / settings.risk)
+        self._count = np.log(max(1, len(self._closures)))
         self._poses = np.zeros((1, 3))
         self._believed = np.zeros(0, np.int64)
-
-    def _agreement(self) -> FloatArray:
-        """Return (M,) the chance that so many neighbours agree with a closure: the least of some windows' times their
-        number, and no less than one in all closures, as false claims aren't spread evenly.
-        """
-        c = self._closures
-        some = [
-            surprise(c.relative, c.covariance, c.i, c.j, self._odometry, window, self._volume)[1]
-            for window in self._s.windows
-        ]
-        return np.asarray(np.clip(len(some) * np.min(some, axis=0), 1.0 / max(1, len(c)), 1.0))
 
     def grow(self) -> None:
         """Follow the chain; hear the closures whenever odometry's heading has become uncertain."""
         for last in self._stops():
             self._poses = extended(self._poses, self._graph.odometry[len(self._poses) - 1 : last - 1])
-            self._hear()
+            self._hear(self._possible(), self._s.clear)
 
     def _stops(self) -> list[int]:
         """Return how many nodes there are at each solve while growing."""
@@ -105,13 +101,6 @@ class Growth:
         ends = np.searchsorted(variance, variance[-1] * np.arange(1, pieces) / pieces)
         return [*np.unique(ends[ends > 1]).tolist(), self._graph.nodes]
 
-    def _hear(self) -> bool:
-        """Believe closures that have become credible; return whether more are believed than before."""
-        before, new = len(self._believed), self._credible(self._possible())
-        if len(new):
-            self._solve(np.concatenate([self._believed, new]), self._s.growing)
-        return len(self._believed) > before
-
     def _possible(self) -> IntArray:
         """Return the closures not believed so far that odometry alone allows."""
         waiting = np.setdiff1d(np.flatnonzero(self._closures.j < len(self._poses)), self._believed)
@@ -119,20 +108,43 @@ class Growth:
         covariance = chain_of(self._poses, self._integrated).covariance(some.i, some.j)
         return np.asarray(waiting[closure_chi2(self._poses, some, covariance) <= self._limit])
 
-    def _credible(self, which: IntArray) -> IntArray:
-        """Return those of some closures that the map and their neighbours make much likelier than chance."""
+    def _hear(self, which: IntArray, clear: float) -> IntArray:
+        """Believe those of some closures that are credible one by one; if none, those that are in groups; return them.
+
+        clear: of how many times the log odds needed groups must be.
+        """
         some = self._closures[which]
         known = self._known(some, np.full(len(which), -1))
         chi2, spread = closure_chi2(self._poses, some, known), known + some.covariance
-        odds = log_odds(chi2, spread, self._volume) - np.log(self._chance[which])
-        good = np.flatnonzero((chi2 <= self._limit) & (odds >= self._odds))
+        odds = log_odds(chi2, spread, self._volume)
+        fit = np.flatnonzero(chi2 <= self._limit)
+        new = which[self._credible(some, odds, spread, fit)]
+        settings = self._s.growing
+        if not len(new):
+            new, settings = self._together(which[fit], odds[fit], clear), self._s.joining
+        if len(new):
+            self._solve(np.concatenate([self._believed, new]), settings)
+        return new
+
+    def _credible(self, some: Closures, odds: FloatArray, spread: FloatArray, fit: IntArray) -> IntArray:
+        """Return which of the fitting ones the map makes credible alone."""
+        needed = self._count - np.log(self._s.risk)
+        good = fit[odds[fit] >= needed]
         odds = odds[good] - np.log(crowding(self._poses, some[good], spread[good], self._volume))
-        return np.asarray(which[good[odds >= self._odds]])
+        return np.asarray(good[odds >= needed])
+
+    def _together(self, which: IntArray, odds: FloatArray, clear: float) -> IntArray:
+        """Return those of some closures, with log odds (n,), that are credible in groups."""
+        bar = Bar(clear * (self._count - np.log(self._s.together)), -np.log(self._s.strays), self._limit)
+        good = credible_groups(self._closures[which], odds, self._poses, self._paths(), self._s.known, bar)
+        return np.asarray(which[good])
 
     def _known(self, closures: Closures, without: IntArray) -> FloatArray:
         """Return (n, 3, 3) how well the map knows what closures claim, each without one of the believed ones."""
-        network = Paths(chain_of(self._poses, self._integrated), self._closures[self._believed])
-        return network.covariance(closures.i, closures.j, without)
+        return self._paths().covariance(closures.i, closures.j, without)
+
+    def _paths(self) -> Paths:
+        return Paths(chain_of(self._poses, self._integrated), self._closures[self._believed])
 
     def _solve(self, which: IntArray, settings: BackendSettings) -> None:
         edges = self._edges[: len(self._poses) - 1]
@@ -141,9 +153,12 @@ class Growth:
 
     def close(self) -> Mapped:
         """Hear every closure again until none is new, settle, and keep what the rest of the map stands by."""
+        refused = np.zeros(0, np.int64)
         for _ in range(self._s.rounds):
-            if not self._hear():
+            new = self._hear(np.setdiff1d(self._possible(), refused), 1.0)
+            if not len(new):
                 break
+            refused = np.union1d(refused, np.setdiff1d(new, self._believed))
         self._solve(self._believed, self._s.closing)
         firm = self._believed[self._standing()]
         if len(firm) < len(self._believed):

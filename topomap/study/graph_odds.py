@@ -12,7 +12,13 @@ SPREAD = np.array([0.7548776662466927, 0.5698402909980532])  # evenly over a squ
 NEAREST = 10  # nodes between the two of a pair at least
 
 
-def log_odds(chi2: FloatArray, spread: FloatArray, volume: float) -> FloatArray:
+def log_density(gap: FloatArray, spread: FloatArray) -> FloatArray:
+    """Return (n,) logs of the normal density of gaps (n, 3) with covariances (n or 1, 3, 3) [1/(m^2 rad)]."""
+    chi2 = (gap * np.linalg.solve(spread, gap[:, :, None])[:, :, 0]).sum(axis=1)
+    return log_odds(chi2, spread, 1.0)
+
+
+def log_odds(chi2: FloatArray, spread: FloatArray, volume: float | FloatArray) -> FloatArray:
     """Return (n,) logs of the claim's density by the map over an even one.
 
     chi2 (n,): squared error by spread (n, 3, 3), the covariance of claim and map; volume [m^2 rad]: of all claims.

@@ -1,0 +1,39 @@
+"""How alike places seen again usually look here: what is much less alike is near the place, not at it."""
+
+from __future__ import annotations
+
+from collections import deque
+
+import numpy as np
+from pydantic import BaseModel, Field
+
+from topomap.mapping.offset import Offset
+
+
+class LikenessSettings(BaseModel, frozen=True, extra="forbid"):
+    """When a closure whose offset isn't measured is believed to be at the spot itself."""
+
+    times: float = Field(2.0, gt=1, description="the usual cost of places seen again, so many times at most")
+    memory: int = Field(30, ge=1, description="closures over which the usual cost is taken")
+    fewest: int = Field(10, ge=1, description="closures before which nothing is usual")
+    unmeasured: float = Field(0.25, gt=0, description="error of a position from which on nothing measured it [m]")
+
+
+class Likeness:
+    """Objects to the same spot where the view differs more than views from the same spot do in this light and place."""
+
+    def __init__(self, settings: LikenessSettings) -> None:
+        self._s = settings
+        self._costs: deque[float] = deque(maxlen=settings.memory)
+
+    def objection(self, cost: float, offset: Offset) -> str:
+        """Return why a closure with an alignment's cost isn't believed, or an empty string; learn its cost."""
+        usual = float(np.median(self._costs)) if len(self._costs) >= self._s.fewest else np.inf
+        self._costs.append(cost)
+        sigma = float(np.sqrt(np.linalg.eigvalsh(offset.covariance[:2, :2])[-1]))
+        if sigma <= self._s.unmeasured or cost <= self._s.times * usual:
+            return ""
+        return (
+            f"much less alike than places seen again are here (cost {cost:.2f}, usually {usual:.2f}): it is near, "
+            "and nothing measures how far"
+        )
