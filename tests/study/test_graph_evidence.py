@@ -79,5 +79,8 @@ def test_odds_are_against_an_even_density_and_fall_where_places_crowd() -> None:
     everything = 400 * 2 * np.pi
     wide = np.diag([0.5, 0.5, 0.5])[None] ** 2
     assert crowding(spaced, claim, wide, everything)[0] < 3.0
-    assert crowding(lattice, claim, spread, everything)[0] > 10.0
+    straight = np.diag([1.5, 1.5, 0.1])[None] ** 2
+    assert crowding(spaced, claim, straight, everything)[0] < 3.0
+    assert crowding(lattice, claim, straight, everything)[0] > 10.0
+    assert crowding(lattice, claim, spread, everything)[0] == 1.0  # what stands just as claimed makes it true
     assert crowding(spaced[:1], claim[:0], wide[:0], everything).shape == (0,)

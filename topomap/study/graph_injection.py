@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from topomap.geometry import FloatArray, between, wrap_all
 from topomap.study.datasets.g2o import BoolArray, PoseGraph
+from topomap.study.graph_odds import FALSE_DISTANCE, FALSE_ROTATION
 
 LARGEST = 1000  # false closures at most
 SHORTEST = 10  # nodes between the ends of a false closure at least
-FALSE_DISTANCE, FALSE_ROTATION = 1.0, math.radians(20.0)
 MOST_TRUE = 4000
 
 

@@ -46,7 +46,7 @@ class GraphSettings(BaseModel):
         default=1.5, ge=1, description="a group's log odds are so many times what they must be while more is to come"
     )
     standing: float = Field(
-        default=1.0, gt=0, description="a believed one is so much likelier true at the end, by the rest of the map"
+        default=200.0, gt=0, description="a believed one is so much likelier true than false by the rest of the map"
     )
     turn: float = Field(default=0.3, gt=0, description="what odometry's heading may be off between solves [rad]")
     solves: int = Field(default=20, ge=1, description="solves while growing at most")
@@ -173,4 +173,6 @@ class Growth:
         missed[:, 2] = wrap_all(missed[:, 2])
         alone = (spread @ np.linalg.solve(some.covariance, missed[:, :, None]))[:, :, 0]
         chi2 = (alone * np.linalg.solve(spread, alone[:, :, None])[:, :, 0]).sum(axis=1)
-        return np.asarray(log_odds(chi2, spread, self._volume) >= np.log(self._s.standing))
+        odds = log_odds(chi2, spread, self._volume) - np.log(crowding(self._poses, some, spread, self._volume))
+        false = max(1, len(self._closures) - len(some))  # as good as all of the others, where it matters
+        return np.asarray(odds >= np.log(self._s.standing * false / max(1, len(some))))

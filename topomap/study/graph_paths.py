@@ -70,10 +70,14 @@ class Paths:
 
     def near(self, i: IntArray, j: IntArray, limit: float) -> Near:
         """Return for some closures with ends i, j (n,) the nearest others with headings of both ends known from their
-        own to a limit [rad].
+        own to a limit [rad]; of two that are among each other's nearest, the one that is nearer to the other.
         """
         net = self._network(i, j)
         a, b, rank, first, second = _near(*net[1:], net.place(i), net.place(j), limit**2, MOST)
+        order = np.lexsort((rank, np.maximum(a, b), np.minimum(a, b)))
+        twice = (np.diff(np.minimum(a, b)[order]) == 0) & (np.diff(np.maximum(a, b)[order]) == 0)
+        once = np.sort(order[np.append(True, ~twice)[: len(order)]])
+        a, b, rank, first, second = (part[once] for part in (a, b, rank, first, second))
         covariances = []
         for end, total in ((i, first), (j, second)):
             back = np.linalg.inv(carried_to_origin(self._chain.poses[end[a]], self._chain.poses[end[b]]))
