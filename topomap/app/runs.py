@@ -22,6 +22,7 @@ from topomap.app.interrupt import stop_on_signal
 from topomap.app.load import load_run
 from topomap.app.to_log import run_header
 from topomap.app.translate import FinalMap, RunRecorder
+from topomap.app.warm_up import warm_up
 from topomap.app.wiring import build_navigator, versions
 from topomap.contract import Reading, Robot, TruthSource
 from topomap.errors import DataError
@@ -110,6 +111,7 @@ def _execute(
     robot: RecordedRobot, header: Header, config: RunConfig, folder: RunFolder, progress: Progress
 ) -> RunResult:
     """Run with a log that is closed whatever happens, then write map, summary and report."""
+    warm_up()
     navigator = build_navigator(config.stack)
     try:
         with Recorder.of(folder.log, header, config.log) as recorder, stop_on_signal() as stopped:
