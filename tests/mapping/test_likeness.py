@@ -28,3 +28,10 @@ def test_what_is_usual_follows_the_light() -> None:
     dimmed = [bool(likeness.objection(0.6, UNMEASURED)) for _ in range(30)]
     assert dimmed[0]
     assert not any(dimmed[16:])
+
+
+def test_a_place_measured_a_metre_off_is_another_one() -> None:
+    likeness = Likeness(LikenessSettings())
+    away = Offset(Pose2(-0.5, 0.8, 1.5), MEASURED.covariance, 0.5)
+    assert "0.94 m apart" in likeness.objection(0.2, away)
+    assert likeness.objection(0.2, Offset(Pose2(0.0, 0.7, 1.5), MEASURED.covariance, 0.5)) == ""

@@ -1,4 +1,4 @@
-"""How alike places seen again usually look here: what is much less alike is near the place, not at it."""
+"""Near a place isn't at it: what is measured farther off, or much less alike than places seen again usually are here."""
 
 from __future__ import annotations
 
@@ -11,16 +11,17 @@ from topomap.mapping.offset import Offset
 
 
 class LikenessSettings(BaseModel, frozen=True, extra="forbid"):
-    """When a closure whose offset isn't measured is believed to be at the spot itself."""
+    """When a closure is believed to be at the place itself."""
 
     times: float = Field(2.0, gt=1, description="the usual cost of places seen again, so many times at most")
     memory: int = Field(30, ge=1, description="closures over which the usual cost is taken")
     fewest: int = Field(10, ge=1, description="closures before which nothing is usual")
+    apart: float = Field(0.8, gt=0, description="places measured to lie farther apart are two [m]")
     unmeasured: float = Field(0.25, gt=0, description="error of a position from which on nothing measured it [m]")
 
 
 class Likeness:
-    """Objects to the same spot where the view differs more than views from the same spot do in this light and place."""
+    """Objects where the offset is too long, or unmeasured and the view differs more than from the same spot it would."""
 
     def __init__(self, settings: LikenessSettings) -> None:
         self._s = settings
@@ -30,6 +31,9 @@ class Likeness:
         """Return why a closure with an alignment's cost isn't believed, or an empty string; learn its cost."""
         usual = float(np.median(self._costs)) if len(self._costs) >= self._s.fewest else np.inf
         self._costs.append(cost)
+        away = float(np.hypot(offset.relative.x, offset.relative.y))
+        if away > self._s.apart:
+            return f"another place nearby: measured {away:.2f} m apart (at most {self._s.apart:.2f} m)"
         sigma = float(np.sqrt(np.linalg.eigvalsh(offset.covariance[:2, :2])[-1]))
         if sigma <= self._s.unmeasured or cost <= self._s.times * usual:
             return ""
