@@ -1,4 +1,4 @@
-"""Near a place isn't at it: what is measured farther off, or much less alike than places seen again usually are here."""
+"""Near a place isn't at it: what is measured farther off, or much less alike than places seen again usually are."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class LikenessSettings(BaseModel, frozen=True, extra="forbid"):
 
 
 class Likeness:
-    """Objects where the offset is too long, or unmeasured and the view differs more than from the same spot it would."""
+    """Objects where the offset is too long, or unmeasured and the view differs more than at the spot it would."""
 
     def __init__(self, settings: LikenessSettings) -> None:
         self._s = settings
