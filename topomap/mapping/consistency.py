@@ -67,7 +67,7 @@ def company(claims: Claims, travelled: FloatArray, window: float) -> FloatArray:
 def loops(
     relative: FloatArray, covariance: FloatArray, i: IntArray, j: IntArray, chain: Chain, a: IntArray, b: IntArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return what the loops through closures a and b (P,) miss of closing (P, 3) and its covariance (P, 3, 3).
+    """Return the loops through closures a and b (P,) as `loops_between` does, where only the chain joins their ends.
 
     relative (M, 3) `i_from_j` with covariance (M, 3, 3); i, j (M,): chain positions.
     """
@@ -80,7 +80,11 @@ def loops_between(
     relative: FloatArray, covariance: FloatArray, ends: tuple[IntArray, IntArray], poses: FloatArray,
     a: IntArray, b: IntArray, known_i: FloatArray, known_j: FloatArray,
 ) -> tuple[FloatArray, FloatArray]:  # fmt: skip
-    """Return the same where covariances of `ia_from_ib` and `ja_from_jb` (P, 3, 3) are given; poses (N, 3)."""
+    """Return what the loops through closures a and b (P,) miss of closing (P, 3) and its covariance (P, 3, 3).
+
+    relative (M, 3) `i_from_j` with covariance (M, 3, 3); ends: i, j (M,), rows of poses (N, 3); known_i, known_j
+    (P, 3, 3): covariances of `ia_from_ib` and `ja_from_jb`.
+    """
     i, j = ends
     along_i = between(poses[i[a]], poses[i[b]])
     along_j = between(poses[j[a]], poses[j[b]])

@@ -28,7 +28,10 @@ class Likeness:
         self._costs: deque[float] = deque(maxlen=settings.memory)
 
     def objection(self, cost: float, offset: Offset) -> str:
-        """Return why a closure with an alignment's cost isn't believed, or an empty string; learn its cost."""
+        """Return why a closure isn't believed, or an empty string; learn what is usual.
+
+        cost: the residual of its alignment, 0 for equal views and some 1 for unlike ones.
+        """
         usual = float(np.median(self._costs)) if len(self._costs) >= self._s.fewest else np.inf
         self._costs.append(cost)
         away = float(np.hypot(offset.relative.x, offset.relative.y))

@@ -84,7 +84,7 @@ class Growth:
         self._odometry = chain_of(odometry_poses(graph), self._integrated)
         self._volume = volume(self._odometry.poses)
         self._limit = float(chdtri(3, 1 - settings.gate))
-        self._count = np.log(max(1, len(self._closures)))
+        self._log_count = np.log(max(1, len(self._closures)))
         self._poses = np.zeros((1, 3))
         self._believed = np.zeros(0, np.int64)
 
@@ -128,14 +128,14 @@ class Growth:
 
     def _credible(self, some: Closures, odds: FloatArray, spread: FloatArray, fit: IntArray) -> IntArray:
         """Return which of the fitting ones the map makes credible alone."""
-        needed = self._count - np.log(self._s.risk)
+        needed = self._log_count - np.log(self._s.risk)
         good = fit[odds[fit] >= needed]
         odds = odds[good] - np.log(crowding(self._poses, some[good], spread[good], self._volume))
         return np.asarray(good[odds >= needed])
 
     def _together(self, which: IntArray, odds: FloatArray, clear: float) -> IntArray:
         """Return those of some closures, with log odds (n,), that are credible in groups."""
-        bar = Bar(clear * (self._count - np.log(self._s.together)), -np.log(self._s.strays), self._limit)
+        bar = Bar(clear * (self._log_count - np.log(self._s.together)), -np.log(self._s.strays), self._limit)
         good = credible_groups(self._closures[which], odds, self._poses, self._paths(), self._s.known, bar)
         return np.asarray(which[good])
 

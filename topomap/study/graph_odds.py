@@ -13,13 +13,7 @@ FALSE_DISTANCE, FALSE_ROTATION = 1.0, np.radians(20.0)  # what a false closure m
 NEAREST = 10  # nodes between the two of a pair at least
 
 
-def log_density(gap: FloatArray, spread: FloatArray) -> FloatArray:
-    """Return (n,) logs of the normal density of gaps (n, 3) with covariances (n or 1, 3, 3) [1/(m^2 rad)]."""
-    chi2 = (gap * np.linalg.solve(spread, gap[:, :, None])[:, :, 0]).sum(axis=1)
-    return log_odds(chi2, spread, 1.0)
-
-
-def log_odds(chi2: FloatArray, spread: FloatArray, volume: float | FloatArray) -> FloatArray:
+def log_odds(chi2: FloatArray, spread: FloatArray, volume: float) -> FloatArray:
     """Return (n,) logs of the claim's density by the map over an even one.
 
     chi2 (n,): squared error by spread (n, 3, 3), the covariance of claim and map; volume [m^2 rad]: of all claims.

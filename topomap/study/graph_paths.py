@@ -114,7 +114,7 @@ def _along(
         if skip[n] >= 0:
             used[skip[n]] = n
         for way in range(ways):
-            by = _shortest(first, onward, start, end, sums, i[n], j[n], used, n)
+            _, by = _shortest(first, onward, start, end, sums, i[n], j[n], used, n, np.inf)
             if by[j[n]] < 0:
                 break
             node = j[n]
@@ -130,9 +130,13 @@ def _along(
 @njit(cache=True)
 def _shortest(
     first: IntArray, onward: IntArray, start: IntArray, end: IntArray, sums: FloatArray,
-    source: int, target: int, used: IntArray, mark: int,
-) -> IntArray:  # fmt: skip
-    """Return the edge by which each node is reached on the shortest way from the source (Dijkstra); -1: not reached."""
+    source: int, target: int, used: IntArray, mark: int, limit: float,
+) -> tuple[FloatArray, IntArray]:  # fmt: skip
+    """Return how far each node is from the source [variance of heading], and by which edge (Dijkstra).
+
+    It ends at the target (-1: none) and at the limit; nodes beyond are at inf, by -1. used (E,): edges with the mark
+    are closed.
+    """
     distance, by = np.full(len(first) - 1, np.inf), np.full(len(first) - 1, -1)
     distance[source] = 0.0
     queue = [(0.0, source)]
@@ -145,10 +149,10 @@ def _shortest(
         for edge in onward[first[node] : first[node + 1]]:
             other = start[edge] + end[edge] - node
             there = here + sums[edge, 2, 2]
-            if used[edge] != mark and there < distance[other]:
+            if used[edge] != mark and there <= limit and there < distance[other]:
                 distance[other], by[other] = there, edge
                 heapq.heappush(queue, (there, other))
-    return by
+    return distance, by
 
 
 @njit(cache=True)
@@ -159,10 +163,10 @@ def _near(
     """Return pairs a, b with both ends within a variance of heading, b the rank-th nearest, and the sums between."""
     pairs = np.empty((len(i) * most, 3), np.int64)
     sum_i, sum_j = np.empty((len(i) * most, 3, 3)), np.empty((len(i) * most, 3, 3))
-    count = 0
+    count, used = 0, np.full(len(start), -1)
     for a in range(len(i)):
-        from_i, by_i = _tree(first, onward, start, end, sums, i[a], limit)
-        from_j, by_j = _tree(first, onward, start, end, sums, j[a], limit)
+        from_i, by_i = _shortest(first, onward, start, end, sums, i[a], -1, used, 0, limit)
+        from_j, by_j = _shortest(first, onward, start, end, sums, j[a], -1, used, 0, limit)
         far = from_i[i] + from_j[j]
         far[(j == j[a]) | ~np.isfinite(far)] = np.inf
         for rank, b in enumerate(np.argsort(far, kind="mergesort")[:most]):
@@ -183,24 +187,3 @@ def _sum_back(start: IntArray, end: IntArray, sums: FloatArray, by: IntArray, so
         total += sums[by[target]]
         target = start[by[target]] + end[by[target]] - target
     return total
-
-
-@njit(cache=True)
-def _tree(
-    first: IntArray, onward: IntArray, start: IntArray, end: IntArray, sums: FloatArray, source: int, limit: float
-) -> tuple[FloatArray, IntArray]:
-    """Return how far each node is from the source [variance of heading], up to a limit, and the edges by which."""
-    distance, by = np.full(len(first) - 1, np.inf), np.full(len(first) - 1, -1)
-    distance[source] = 0.0
-    queue = [(0.0, source)]
-    while queue:
-        here, node = heapq.heappop(queue)
-        if here > distance[node]:
-            continue
-        for edge in onward[first[node] : first[node + 1]]:
-            other = start[edge] + end[edge] - node
-            there = here + sums[edge, 2, 2]
-            if there <= limit and there < distance[other]:
-                distance[other], by[other] = there, edge
-                heapq.heappush(queue, (there, other))
-    return distance, by
