@@ -1,10 +1,10 @@
 """Two variants of one method, compared over the grid of a simulated room: what `topomap bench homing` does inside."""
 
 from topomap.app.views import world_recipe
-from topomap.study.homing_bench import BenchSettings, bench
-from topomap.study.homing_contestant import Pairwise
-from topomap.study.homing_table import HEADINGS, cells
-from topomap.study.pool import Store, workers
+from topomap.bench.homing.bench import BenchSettings, bench
+from topomap.bench.homing.contestant import Pairwise
+from topomap.bench.homing.table import HEADINGS, cells
+from topomap.bench.pool import Store, workers
 from topomap.vision.homing.moment import Moment
 
 variants = [Pairwise("perimeter", Moment(2.0, "equal")), Pairwise("area", Moment(2.0, "equal", "area"))]

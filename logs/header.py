@@ -17,7 +17,7 @@ PLAN = "plan.json"
 
 @dataclass(frozen=True, slots=True)
 class Rig:
-    """How the panorama was taken: pixels, metres; see `topomap.contract.RigReading`."""
+    """How the panorama was taken: pixels, metres; see `topomap.core.robot.RigReading`."""
 
     width: int
     height: int

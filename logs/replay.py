@@ -31,7 +31,7 @@ class Motion:
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """A recorded reading; fits `topomap.contract.Reading`."""
+    """A recorded reading; fits `topomap.core.robot.Reading`."""
 
     stamp_ns: int
     image: NDArray[np.uint8]
@@ -44,7 +44,7 @@ class Reading:
 
 
 class ReplayRobot:
-    """Plays a log back; fits `topomap.contract.Robot` and `TruthSource`; raises LogError as `LogReader`."""
+    """Plays a log back; fits `topomap.core.robot.Robot` and `TruthSource`; raises LogError as `LogReader`."""
 
     def __init__(self, path: Path | str) -> None:
         self._log = LogReader(path)

@@ -13,8 +13,8 @@ from typing import Any
 
 import pytest
 
-from topomap.app.load import load_run
 from topomap.mapping.mapfile import load_map
+from topomap.recording.run_reader import load_run
 
 SUMMARY_KEYS = [
     *("world", "seed", "config", "distance_m", "steps", "steps_per_s", "snapshots", "closures"),

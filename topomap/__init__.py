@@ -5,11 +5,11 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from topomap.core.panorama import Panorama
     from topomap.vision.home import home, load
-    from topomap.vision.panorama import Panorama
 
 __version__ = version("topomap")
-_LAZY = {"home": "topomap.vision.home", "load": "topomap.vision.home", "Panorama": "topomap.vision.panorama"}
+_LAZY = {"home": "topomap.vision.home", "load": "topomap.vision.home", "Panorama": "topomap.core.panorama"}
 __all__ = ["Panorama", "__version__", "home", "load"]
 
 

@@ -10,10 +10,10 @@ from typer.testing import CliRunner
 from topomap.app.bench import available, parse_point, parse_seeds, request, run_study
 from topomap.app.graph_bench import find_graph
 from topomap.app.views import WorldViews, world_arena, world_recipe
+from topomap.bench.homing.bench import BenchSettings
+from topomap.bench.pool import Store
 from topomap.cli.main import app
-from topomap.errors import DataError, TopomapError
-from topomap.study.homing_bench import BenchSettings
-from topomap.study.pool import Store
+from topomap.core.errors import DataError, TopomapError
 
 
 @pytest.fixture(scope="module")

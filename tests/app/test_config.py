@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from topomap.app.config import RunConfig, load_config, parse_config
-from topomap.errors import ConfigError
+from topomap.core.errors import ConfigError
 
 
 def test_without_anything_the_defaults_stand() -> None:

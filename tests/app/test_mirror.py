@@ -11,9 +11,9 @@ from sim2d import worlds
 from sim2d.camera import Camera
 from sim2d.config import CameraConfig
 from sim2d.mirror import MirrorRig as RawRig
-from topomap.rig import Rig
-from topomap.vision.panorama import Panorama
-from topomap.vision.unwrap import MirrorRig, fit_mirror, unwrap
+from topomap.core.panorama import Panorama
+from topomap.core.rig import Rig
+from topomap.vision.image.unwrap import MirrorRig, fit_mirror, unwrap
 
 RAW = RawRig(width=900, height=900, centre_x=449.5, centre_y=449.5, inner_radius=150.0, outer_radius=440.0)
 

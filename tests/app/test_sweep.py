@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 from topomap.app.sweep import plan, run_sweep, variants, write_sweep
+from topomap.bench.sweeps.table import SweptRun, lines
 from topomap.cli.sweep_commands import HEADINGS, cells
-from topomap.errors import ConfigError, DataError
-from topomap.study.sweep_table import SweptRun, lines
+from topomap.core.errors import ConfigError, DataError
 
 DEN = str(Path(__file__).parent.parent / "helpers" / "den.toml")
 SHORT = ["sim.driver.laps=0.5", "stack.mission.then=stop"]

@@ -14,9 +14,9 @@ from sim2d.camera import Camera
 from sim2d.config import CameraConfig
 from sim2d.path import of_route
 from sim2d.streams import stream
-from topomap.mapping.place_index import PlaceIndex
-from topomap.vision.compare import Signature, normalised, signature
-from topomap.vision.panorama import Panorama
+from topomap.core.panorama import Panorama
+from topomap.mapping.places.place_index import PlaceIndex
+from topomap.vision.image.compare import Signature, normalised, signature
 
 Row = dict[str, str | float | None]
 STORED, QUERIES, SPACING = 10_000, 40, 0.5  # views along the route, every so many metres [m]

@@ -15,17 +15,17 @@ from typing import Any
 import cv2
 import numpy as np
 
-from topomap.geometry import TAU
-from topomap.mapping.place_index import PlaceIndex
+from topomap.core.geometry import TAU
+from topomap.core.panorama import Panorama
+from topomap.mapping.places.place_index import PlaceIndex
 from topomap.vision.aligned_homing import AlignedHoming
-from topomap.vision.alignment import ALIGNERS, MinWarpingCompass, VisualCompass
-from topomap.vision.compare import PLACE, signature, squared_differences
+from topomap.vision.compass import ALIGNERS, MinWarpingCompass, VisualCompass
 from topomap.vision.homing import METHODS, POLICIES, REFERENCE_METHODS, AreaCentroid, DynamicWarping, GoalView
-from topomap.vision.kernels import dtw_path
-from topomap.vision.panorama import Panorama
-from topomap.vision.ring import RingSpec, ring
-from topomap.vision.scale_planes import WARPING, warping_view
-from topomap.vision.warping import warp
+from topomap.vision.image.compare import PLACE, signature, squared_differences
+from topomap.vision.image.ring import RingSpec, ring
+from topomap.vision.image.scale_planes import WARPING, warping_view
+from topomap.vision.matching.kernels import dtw_path
+from topomap.vision.matching.warping import warp
 
 sys.path.append(str(Path(__file__).parents[1] / "vision"))
 from scenes import Room

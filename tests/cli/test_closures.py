@@ -12,11 +12,11 @@ from typer.testing import CliRunner
 
 from topomap.app import map_surgery
 from topomap.cli.main import app
-from topomap.errors import TopomapError
-from topomap.geometry import Pose2
-from topomap.mapping.backend import ClosureEdge
+from topomap.core.errors import TopomapError
+from topomap.core.geometry import Pose2
 from topomap.mapping.graph import Node, Snapshot, TopoMap
 from topomap.mapping.mapfile import load_map, save_map
+from topomap.mapping.optimizer import ClosureEdge
 
 
 def picture(k: int) -> bytes:

@@ -14,12 +14,12 @@ from logs.recorder import Recorder
 from sim2d import worlds
 from sim2d.robot import SimRobot
 from topomap.app.config import load_config
-from topomap.app.to_log import run_header
-from topomap.app.translate import RunRecorder
 from topomap.app.wiring import build_navigator
 from topomap.cli.main import main
-from topomap.geometry import Pose2
-from topomap.types import Candidate, Decision, StepRecord, Verdict
+from topomap.core.geometry import Pose2
+from topomap.core.records import Candidate, Decision, StepRecord, Verdict
+from topomap.recording.encode import run_header
+from topomap.recording.recorder import RunRecorder
 
 STEPS = 26
 

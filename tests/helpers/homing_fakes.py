@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from topomap.geometry import TAU, wrap
-from topomap.rig import Rig
-from topomap.study.homing_arena import Arena, Recipe
-from topomap.types import Alignment, HomeVector
+from topomap.core.geometry import TAU, wrap
+from topomap.core.panorama import Panorama
+from topomap.core.records import Alignment, HomeVector
+from topomap.core.rig import Rig
+from topomap.vision.arena import Arena, Recipe
 from topomap.vision.homing import Needs
-from topomap.vision.panorama import Panorama
 
 RIG = Rig(width=360, height=2, horizon_row=0.5, focal=360 / TAU)
 SCALE, MIDDLE = 20.0, 120.0

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from topomap.geometry import Pose2
-from topomap.mapping.backend.problem import ClosureEdge
+from topomap.core.geometry import Pose2
 from topomap.mapping.graph import Node, RecordedRig, Snapshot, TopoMap
-from topomap.mapping.odometry import Increments
+from topomap.mapping.odometry.increments import Increments
+from topomap.mapping.optimizer.problem import ClosureEdge
 
 RIG = RecordedRig(72, 10, 4.5, 72 / (2 * np.pi), 0.6, 36, True)
 STEP_NS = 250_000_000

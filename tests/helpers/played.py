@@ -9,7 +9,7 @@ from sim2d import worlds
 from sim2d.records import SimReading
 from sim2d.robot import SimRobot
 from topomap.app.config import load_config
-from topomap.types import Command, StepRecord
+from topomap.core.records import Command, StepRecord
 
 
 class Played:

@@ -6,9 +6,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from topomap.geometry import FloatArray, Pose2, between
-from topomap.mapping.backend import ClosureEdge, Closures, OdometryEdge, Problem
-from topomap.mapping.odometry import Calibration, Increments, track
+from topomap.core.arrays import FloatArray
+from topomap.core.geometry import Pose2, between
+from topomap.mapping.odometry.increments import Calibration, Increments, track
+from topomap.mapping.optimizer import ClosureEdge, Closures, OdometryEdge, Problem
 
 PER_NODE = 5
 TRUE = Calibration(rotation_scale=1.04, curvature=0.003, distance_scale=0.95)

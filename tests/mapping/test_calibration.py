@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from topomap.mapping.calibration import DistanceScale, calibration_state
-from topomap.mapping.odometry import Calibration
+from topomap.mapping.odometry.calibration import DistanceScale, calibration_state
+from topomap.mapping.odometry.increments import Calibration
 
 
 def estimator(scale: float, seed: int, moves: int = 60, wrong: float = 0.0) -> DistanceScale:

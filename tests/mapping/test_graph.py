@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from maps import STEP_NS, increments, snapshot, square
 
-from topomap.geometry import Pose2, compose
+from topomap.core.geometry import Pose2, compose
 from topomap.mapping.graph import Node, TopoMap
-from topomap.mapping.odometry import Calibration
+from topomap.mapping.odometry.increments import Calibration
 
 
 def test_a_new_node_stands_where_odometry_leads() -> None:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from topomap.errors import TopomapError
-from topomap.geometry import Pose2
-from topomap.mapping.ledger import Ledger, key_of
-from topomap.types import Candidate, Verdict
+from topomap.core.errors import TopomapError
+from topomap.core.geometry import Pose2
+from topomap.core.records import Candidate, Verdict
+from topomap.mapping.closures.ledger import Ledger, key_of
 
 
 def candidate(query: int, match: int = 1) -> Candidate:

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 from maps import STEP_NS, square
 
-from topomap.errors import DataError
+from topomap.core.errors import DataError
 from topomap.mapping.mapfile import load_map, save_map, to_bytes
-from topomap.mapping.odometry import Calibration
+from topomap.mapping.odometry.increments import Calibration
 
 
 def test_a_map_loads_back_equal(tmp_path: Path) -> None:

@@ -9,8 +9,8 @@ from sim2d import worlds
 from sim2d.robot import SimRobot
 from topomap.app.config import load_config
 from topomap.app.wiring import build_navigator
+from topomap.core.records import StepRecord, Verdict
 from topomap.mapping.mapper import Mapper
-from topomap.types import StepRecord, Verdict
 
 
 def drive(steps: int, *settings: str, seed: int = 3) -> tuple[Mapper, list[StepRecord], np.ndarray]:

@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from topomap.errors import ShapeError
-from topomap.geometry import Pose2, wrap
-from topomap.mapping.chain import Chain
-from topomap.mapping.odometry import Calibration, EdgeIncrements, Increments, advance, integrate, track
-from topomap.types import Motion
+from topomap.core.errors import ShapeError
+from topomap.core.geometry import Pose2, wrap
+from topomap.core.records import Motion
+from topomap.mapping.odometry.increments import Calibration, EdgeIncrements, Increments, advance, integrate, track
+from topomap.mapping.uncertainty.odometry_chain import Chain
 
 CALIBRATION = Calibration(1.04, 0.01, 0.95)
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from topomap.mapping.place_index import PlaceIndex
-from topomap.vision.compare import Signature, normalised, rotation_differences
+from topomap.mapping.places.place_index import PlaceIndex
+from topomap.vision.image.compare import Signature, normalised, rotation_differences
 
 
 def view(pixels: np.ndarray) -> Signature:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from topomap.mapping.recognition import Recognition, RecognitionSettings
-from topomap.rig import Rig
-from topomap.vision.panorama import Panorama
+from topomap.core.panorama import Panorama
+from topomap.core.rig import Rig
+from topomap.mapping.places.recognition import Recognition, RecognitionSettings
 
 
 def views(contrast: float, count: int, seed: int = 0) -> list[Panorama]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from topomap.mapping.snapshots import SnapshotSettings, View, make_rule
+from topomap.mapping.places.snapshots import SnapshotSettings, View, make_rule
 
 
 def test_a_changed_view_is_kept_after_the_least_way() -> None:

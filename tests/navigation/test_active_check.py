@@ -11,15 +11,15 @@ from typing import cast
 import numpy as np
 import pytest
 
-from topomap.geometry import Pose2
-from topomap.mapping.ledger import Ledger
+from topomap.core.geometry import Pose2
+from topomap.core.panorama import Panorama
+from topomap.core.records import Alignment, Candidate, HomeVector, Verdict
+from topomap.core.rig import Rig
+from topomap.mapping.closures.ledger import Ledger
 from topomap.mapping.mapper import Mapper
-from topomap.navigation import active_check
-from topomap.navigation.active_check import ActiveCheck, ActiveSettings
+from topomap.navigation.manoeuvres import active_check
+from topomap.navigation.manoeuvres.active_check import ActiveCheck, ActiveSettings
 from topomap.navigation.pilot import Pilot, PilotSettings
-from topomap.rig import Rig
-from topomap.types import Alignment, Candidate, HomeVector, Verdict
-from topomap.vision.panorama import Panorama
 
 RIG = Rig(width=72, height=2, horizon_row=0.5, focal=72 / math.tau)
 

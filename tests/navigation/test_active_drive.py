@@ -12,9 +12,9 @@ from sim2d.records import SimReading
 from sim2d.robot import SimRobot
 from topomap.app.config import load_config
 from topomap.app.wiring import build_navigator
+from topomap.core.records import StepRecord, Verdict
 from topomap.navigation.navigator import Navigator
 from topomap.navigation.runner import run
-from topomap.types import StepRecord, Verdict
 
 DEN = Path(__file__).parent.parent / "helpers" / "den.toml"
 STEPS = 145

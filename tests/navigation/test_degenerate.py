@@ -15,14 +15,14 @@ from typer.testing import CliRunner
 from logs.recorder import Recorder
 from sim2d.records import SimReading
 from topomap.app.config import load_config
-from topomap.app.to_log import run_header
-from topomap.app.translate import RunRecorder
 from topomap.app.wiring import build_navigator
 from topomap.cli.main import app
-from topomap.errors import DataError, ShapeError
+from topomap.core.errors import DataError, ShapeError
+from topomap.core.records import Phase
 from topomap.mapping.mapper import Mapper
 from topomap.navigation.runner import run
-from topomap.types import Phase
+from topomap.recording.encode import run_header
+from topomap.recording.recorder import RunRecorder
 
 NAN = math.nan
 WIDTH = 720

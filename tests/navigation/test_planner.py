@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from maps import STEP_NS, square
 
-from topomap.errors import TopomapError
+from topomap.core.errors import TopomapError
 from topomap.mapping.graph import Node
 from topomap.navigation.planner import route
 

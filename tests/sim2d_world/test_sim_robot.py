@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-import topomap.contract
+import topomap.core.robot
 from sim2d import worlds
 from sim2d.body import Body
 from sim2d.config import BodyConfig, CameraConfig, DriverConfig, LaserConfig, OdometerConfig, SimConfig
@@ -33,13 +33,13 @@ class Wish:
 
 def test_fits_the_contracts() -> None:
     sim = SimRobot(worlds.load("room-corridor"), SimConfig(), 0)
-    robot: topomap.contract.Robot = sim
-    source: topomap.contract.TruthSource = sim
-    reading: topomap.contract.Reading | None = robot.sense()
+    robot: topomap.core.robot.Robot = sim
+    source: topomap.core.robot.TruthSource = sim
+    reading: topomap.core.robot.Reading | None = robot.sense()
     assert reading is not None
-    motion: topomap.contract.MotionReading = reading.motion
-    rig: topomap.contract.RigReading = reading.rig
-    truth: topomap.contract.Truth | None = source.truth()
+    motion: topomap.core.robot.MotionReading = reading.motion
+    rig: topomap.core.robot.RigReading = reading.rig
+    truth: topomap.core.robot.Truth | None = source.truth()
     assert truth is not None
     assert reading.image.shape == (rig.height, rig.width, 3) == (100, 720, 3)
     assert reading.image.dtype == np.uint8

@@ -14,9 +14,9 @@ from collections.abc import Iterator
 import numpy as np
 from scenes import Room
 
-from topomap.geometry import Pose2, wrap
+from topomap.core.geometry import Pose2, wrap
+from topomap.core.panorama import Panorama
 from topomap.vision.homing.auto import CHANCE, Answer, Auto, Choice
-from topomap.vision.panorama import Panorama
 
 HOME = Pose2(3.7, 2.8, 0.4)
 

@@ -11,9 +11,9 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from topomap.geometry import Pose2, wrap
-from topomap.rig import Rig
-from topomap.vision.panorama import Panorama
+from topomap.core.geometry import Pose2, wrap
+from topomap.core.panorama import Panorama
+from topomap.core.rig import Rig
 
 Floats = NDArray[np.float64]
 

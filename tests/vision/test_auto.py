@@ -14,10 +14,10 @@ from calibration import measured
 from scenes import view
 
 import topomap
-from topomap.errors import DataError
-from topomap.geometry import Pose2, wrap
+from topomap.core.errors import DataError
+from topomap.core.geometry import Pose2, wrap
+from topomap.core.panorama import Panorama
 from topomap.vision.homing.auto import Auto
-from topomap.vision.panorama import Panorama
 
 HOME = Pose2(3.7, 2.8, 0.4)
 POSE = Pose2(3.2, 3.3, -1.1)

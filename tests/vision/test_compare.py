@@ -11,10 +11,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scenes import Room
 
-from topomap.errors import ShapeError
-from topomap.geometry import TAU, wrap
-from topomap.types import Image
-from topomap.vision.compare import (
+from topomap.core.arrays import Image
+from topomap.core.errors import ShapeError
+from topomap.core.geometry import TAU, wrap
+from topomap.core.panorama import Panorama
+from topomap.vision.image.compare import (
     ARRIVAL,
     PLACE,
     SignatureSpec,
@@ -24,7 +25,6 @@ from topomap.vision.compare import (
     signature,
     squared_differences,
 )
-from topomap.vision.panorama import Panorama
 
 
 def noise(seed: int) -> Panorama:

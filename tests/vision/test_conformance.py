@@ -12,15 +12,15 @@ import pytest
 import tolerances as table
 from scenes import around, marker_view, view
 
-from topomap.errors import DataError, ShapeError
-from topomap.geometry import TAU, Pose2, wrap
-from topomap.rig import Rig
-from topomap.types import HomeVector
-from topomap.vision.alignment import ALIGNERS
-from topomap.vision.catalogue import ROWS, entries
+from topomap.core.errors import DataError, ShapeError
+from topomap.core.geometry import TAU, Pose2, wrap
+from topomap.core.panorama import Panorama
+from topomap.core.records import HomeVector
+from topomap.core.rig import Rig
+from topomap.vision.compass import ALIGNERS
 from topomap.vision.homing import METHODS, POLICIES, REFERENCE_METHODS, GoalView
 from topomap.vision.homing.needs import check
-from topomap.vision.panorama import Panorama
+from topomap.vision.registry import ROWS, entries
 
 HOME = Pose2(3.7, 2.8, 0.4)
 POSES = [Pose2(p.x, p.y, HOME.heading) for p in around(HOME, 0.4)]

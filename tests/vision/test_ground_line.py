@@ -8,11 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from topomap.app.views import world_recipe
-from topomap.rig import Rig
-from topomap.vision.distances import distances
-from topomap.vision.ground_line import ground_line, ground_ranges
-from topomap.vision.panorama import Panorama
-from topomap.vision.seam import seam
+from topomap.core.panorama import Panorama
+from topomap.core.rig import Rig
+from topomap.vision.image.distances import distances
+from topomap.vision.image.ground_line import ground_line, ground_ranges
+from topomap.vision.image.seam import seam
 
 
 def value(score: np.ndarray, path: np.ndarray, bend: float, jump: float) -> float:

@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 from scenes import around, view
 
-from topomap.errors import DataError, ShapeError
-from topomap.geometry import TAU, Pose2, wrap
-from topomap.rig import Rig
-from topomap.types import HomeVector
+from topomap.core.errors import DataError, ShapeError
+from topomap.core.geometry import TAU, Pose2, wrap
+from topomap.core.panorama import Panorama
+from topomap.core.records import HomeVector
+from topomap.core.rig import Rig
 from topomap.vision.aligned_homing import AlignedHoming
-from topomap.vision.alignment import GivenHeading, MinWarpingCompass
+from topomap.vision.compass import GivenHeading, MinWarpingCompass
 from topomap.vision.homing import METHODS, AreaCentroid, DynamicWarping
-from topomap.vision.panorama import Panorama
-from topomap.vision.stationary import FLOW, fitted_flow
+from topomap.vision.matching.ring_flow import FLOW, fitted_flow
 
 HOME = Pose2(3.7, 2.8, 0.4)
 TOLERANCE = {"min-warping": 6.0, "dtw-wing": 5.0, "dtw-unifying": 5.0, "area-centroid": 3.0}

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from topomap.types import Float32Array
-from topomap.vision.kernels import block_differences, dtw_path
+from topomap.core.arrays import Float32Array
+from topomap.vision.matching.kernels import block_differences, dtw_path
 
 
 def plain_cost(home: Float32Array, current: Float32Array, band: int) -> float:

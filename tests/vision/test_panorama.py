@@ -11,10 +11,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scenes import Room
 
-from topomap.errors import ShapeError
-from topomap.geometry import TAU
-from topomap.rig import Rig
-from topomap.vision.panorama import Panorama
+from topomap.core.errors import ShapeError
+from topomap.core.geometry import TAU
+from topomap.core.panorama import Panorama
+from topomap.core.rig import Rig
 
 
 @dataclass(frozen=True)

@@ -8,12 +8,11 @@ import numpy as np
 import pytest
 from scenes import view
 
-from topomap.geometry import TAU, FloatArray, Pose2, wrap
-from topomap.rig import Rig
-from topomap.types import HomeVector
-from topomap.vision.convergence import convergence_point, rigid_fit
-from topomap.vision.distances import polynomial
-from topomap.vision.equal_warping import flow
+from topomap.core.arrays import FloatArray
+from topomap.core.geometry import TAU, Pose2, wrap
+from topomap.core.panorama import Panorama
+from topomap.core.records import HomeVector
+from topomap.core.rig import Rig
 from topomap.vision.homing import Moment
 from topomap.vision.homing.acv import AverageCorrectionalVector
 from topomap.vision.homing.alv import AverageLandmarkVector
@@ -21,10 +20,12 @@ from topomap.vision.homing.comalv import CentreOfMass
 from topomap.vision.homing.delv import DistanceLandmarkVector
 from topomap.vision.homing.random_masks import RandomMasks
 from topomap.vision.homing.run_down import FIELDS
-from topomap.vision.inhibition import inhibited
-from topomap.vision.landmarks import Landmarks, matched
-from topomap.vision.masks import MaskSpec, masks, scores
-from topomap.vision.panorama import Panorama
+from topomap.vision.image.distances import polynomial
+from topomap.vision.image.haar_masks import MaskSpec, masks, scores
+from topomap.vision.image.landmarks import Landmarks, matched
+from topomap.vision.matching.equal_distance_search import flow
+from topomap.vision.matching.inhibition import inhibited
+from topomap.vision.matching.moment_potential import convergence_point, rigid_fit
 
 RING = np.column_stack([3 * np.cos(np.arange(12) * TAU / 12 + 0.1), 3 * np.sin(np.arange(12) * TAU / 12 + 0.1)])
 DIRECTIONS = [k * math.pi / 4 + 0.2 for k in range(8)]

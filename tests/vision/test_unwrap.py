@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from scenes import view
 
-from topomap.errors import DataError, ShapeError
-from topomap.geometry import TAU, Pose2
-from topomap.rig import Rig
-from topomap.vision.panorama import Panorama
-from topomap.vision.unwrap import MirrorRig, fit_mirror, unwrap, wrap_up
+from topomap.core.errors import DataError, ShapeError
+from topomap.core.geometry import TAU, Pose2
+from topomap.core.panorama import Panorama
+from topomap.core.rig import Rig
+from topomap.vision.image.unwrap import MirrorRig, fit_mirror, unwrap, wrap_up
 
 MIRROR = MirrorRig(330.0, 236.0, 60.0, 215.0, 0.8)
 PANORAMA = view(Pose2(3.7, 2.8, 0.4))

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from scenes import Room
 
-from topomap.geometry import TAU, wrap
-from topomap.rig import Rig
-from topomap.vision.kernels import scale_planes, warping_search
-from topomap.vision.panorama import Panorama
-from topomap.vision.scale_planes import WARPING, WarpingSpec, warping_view
-from topomap.vision.warping import _movements, best, warp
+from topomap.core.geometry import TAU, wrap
+from topomap.core.panorama import Panorama
+from topomap.core.rig import Rig
+from topomap.vision.image.scale_planes import WARPING, WarpingSpec, warping_view
+from topomap.vision.matching.kernels import scale_planes, warping_search
+from topomap.vision.matching.warping import _movements, best, warp
 
 
 def test_planes_are_the_normalised_differences() -> None:

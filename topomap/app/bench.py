@@ -10,17 +10,17 @@ from pathlib import Path
 from sim2d import worlds
 from topomap.app.views import world_recipe
 from topomap.app.words import parse_point, parse_seeds
-from topomap.errors import DataError
-from topomap.study.datasets.image_grid import grid_recipe
-from topomap.study.homing_arena import Point, Recipe
-from topomap.study.homing_bench import BenchSettings, Table, bench, tasks
-from topomap.study.homing_contestant import Contestant, compass, contestants
-from topomap.study.homing_figures import method_figure, save, sheet
-from topomap.study.homing_table import write_table
-from topomap.study.places import PlaceScore, place_scores
-from topomap.study.pool import Store, workers
-from topomap.study.studies import STUDIES, Lab, Study
-from topomap.study.summary import write_whole
+from topomap.bench.homing.bench import BenchSettings, Table, bench, tasks
+from topomap.bench.homing.contestant import Contestant, compass, contestants
+from topomap.bench.homing.figures import method_figure, save, sheet
+from topomap.bench.homing.table import write_table
+from topomap.bench.places import PlaceScore, place_scores
+from topomap.bench.pool import Store, workers
+from topomap.core.errors import DataError
+from topomap.datasets.image_grid import grid_recipe
+from topomap.evaluation.summary import write_whole
+from topomap.experiments import STUDIES, Lab, Study
+from topomap.vision.arena import Point, Recipe
 
 Progress = Callable[[int], None]
 

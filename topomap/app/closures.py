@@ -13,18 +13,19 @@ import numpy as np
 from logs.errors import LogError
 from logs.reader import LogReader
 from logs.replay import decoded
-from topomap.app.load import load_run
-from topomap.errors import DataError, TopomapError
-from topomap.geometry import TAU, FloatArray
-from topomap.study.closure_evaluation import Evaluation, evaluate
-from topomap.study.figures_explain import explanation
-from topomap.study.figures_precision import precision_recall
-from topomap.study.ledger_rows import LedgerRow, ledger
-from topomap.study.metrics_closures import Closure, closures
-from topomap.study.run_data import RunData
-from topomap.types import Verdict
-from topomap.vision.compare import rms, signature
-from topomap.vision.panorama import Panorama
+from topomap.core.arrays import FloatArray
+from topomap.core.errors import DataError, TopomapError
+from topomap.core.geometry import TAU
+from topomap.core.panorama import Panorama
+from topomap.core.records import Verdict
+from topomap.core.run_data import RunData
+from topomap.evaluation.closures import Closure, closures
+from topomap.evaluation.ledger_rows import LedgerRow, ledger
+from topomap.evaluation.precision_recall import Evaluation, evaluate
+from topomap.recording.run_reader import load_run
+from topomap.report.figures.explain import explanation
+from topomap.report.figures.precision import precision_recall
+from topomap.vision.image.compare import rms, signature
 
 CURVE_STEPS = 120
 

@@ -11,9 +11,9 @@ from pydantic import BaseModel, Field, ValidationError
 
 from logs.config import LogConfig
 from sim2d.config import SimConfig
-from topomap.errors import ConfigError
+from topomap.core.errors import ConfigError
 from topomap.mapping.mapper import MapperSettings
-from topomap.navigation.active_check import ActiveSettings
+from topomap.navigation.manoeuvres.active_check import ActiveSettings
 from topomap.navigation.mission import MissionSettings
 from topomap.navigation.traveller import TravelSettings
 

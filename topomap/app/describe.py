@@ -6,7 +6,7 @@ from pathlib import Path
 
 from logs.errors import LogError
 from logs.info import info
-from topomap.errors import DataError
+from topomap.core.errors import DataError
 
 Rows = list[tuple[str, str]]
 

@@ -7,14 +7,14 @@ from pathlib import Path
 
 import numpy as np
 
-from topomap.app.load import load_run
-from topomap.errors import DataError
-from topomap.geometry import FloatArray
+from topomap.core.arrays import FloatArray, IntArray
+from topomap.core.errors import DataError
+from topomap.core.run_data import RunData
+from topomap.evaluation.summary import write_whole
 from topomap.mapping.graph import TopoMap
 from topomap.mapping.mapfile import load_map
-from topomap.mapping.odometry import integrate
-from topomap.study.run_data import IntArray, RunData
-from topomap.study.summary import write_whole
+from topomap.mapping.odometry.increments import integrate
+from topomap.recording.run_reader import load_run
 
 
 def export_run(log: Path, out: Path, tum: bool, g2o: bool) -> list[Path]:

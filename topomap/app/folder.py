@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from topomap.errors import DataError
+from topomap.core.errors import DataError
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,12 +6,13 @@ import os
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from topomap.errors import DataError
-from topomap.mapping.backend.examples import example
-from topomap.study.datasets.g2o import PoseGraph, read_graph
-from topomap.study.figures_graphs import injection
-from topomap.study.graph_bench import OURS, PeerLimits, Row, averages, bench, to_csv, to_json
-from topomap.study.summary import write_whole
+from topomap.bench.pose_graphs.bench import OURS, PeerLimits, Row, averages, bench, to_csv, to_json
+from topomap.bench.pose_graphs.figure import injection
+from topomap.core.errors import DataError
+from topomap.datasets.g2o import read_graph
+from topomap.evaluation.summary import write_whole
+from topomap.mapping.optimizer.examples import example
+from topomap.mapping.pose_graph import PoseGraph
 
 SETS = ("intel", "CSAIL", "manhattanOlson3500", "w10000")
 

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import numpy as np
 
-from topomap.errors import TopomapError
-from topomap.geometry import Pose2
-from topomap.mapping.album import Album
-from topomap.mapping.backend import ClosureEdge, Closures, OdometryEdge, Problem, Solution, solve
+from topomap.core.errors import TopomapError
+from topomap.core.geometry import Pose2
 from topomap.mapping.graph import TopoMap
 from topomap.mapping.mapfile import load_map, save_map
-from topomap.vision.compare import rotation_difference, signature
+from topomap.mapping.optimizer import ClosureEdge, Closures, OdometryEdge, Problem, Solution, solve
+from topomap.mapping.places.view_cache import Album
+from topomap.vision.image.compare import rotation_difference, signature
 
 # a map file holds neither seen turns nor ranges: what they told of the odometry stays nearly as it was found
 KEPT_SIGMAS = (0.01, 0.002, 0.01)

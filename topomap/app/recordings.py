@@ -11,13 +11,13 @@ from topomap.app.export import write_tum
 from topomap.app.folder import RunFolder
 from topomap.app.runs import RunResult, conclude
 from topomap.app.wiring import versions
-from topomap.study.datasets.tuc import read_tuc
-from topomap.study.figures_recording import firmness
-from topomap.study.pool import Store, workers
-from topomap.study.recording_bench import RecordingRow, RecordingTask, Variation, to_csv, to_json
-from topomap.study.summary import write_whole
-from topomap.study.tuc_map import map_tuc as map_recording
-from topomap.study.tuc_settings import TucSettings
+from topomap.bench.pool import Store, workers
+from topomap.bench.recordings.figure import firmness
+from topomap.bench.recordings.stability import RecordingRow, RecordingTask, Variation, to_csv, to_json
+from topomap.datasets.tuc.mapping import map_tuc as map_recording
+from topomap.datasets.tuc.recording import read_tuc
+from topomap.datasets.tuc.settings import TucSettings
+from topomap.evaluation.summary import write_whole
 
 
 def map_tuc(path: Path, out: Path, building_axes: bool = False) -> RunResult:

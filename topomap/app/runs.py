@@ -19,21 +19,21 @@ from sim2d.robot import SimRobot
 from topomap.app.config import RunConfig, parse_config
 from topomap.app.folder import RunFolder
 from topomap.app.interrupt import stop_on_signal
-from topomap.app.load import load_run
-from topomap.app.to_log import run_header
-from topomap.app.translate import FinalMap, RunRecorder
 from topomap.app.warm_up import warm_up
 from topomap.app.wiring import build_navigator, versions
-from topomap.contract import Reading, Robot, TruthSource
-from topomap.errors import DataError
-from topomap.geometry import Pose2
+from topomap.core.errors import DataError
+from topomap.core.geometry import Pose2
+from topomap.core.records import Phase, StepRecord
+from topomap.core.robot import Reading, Robot, TruthSource
+from topomap.core.run_data import RunData, TrueCalibration
+from topomap.evaluation.summary import summarise, write_summary
 from topomap.mapping.mapfile import save_map
 from topomap.navigation.navigator import Navigator
 from topomap.navigation.runner import run
-from topomap.study.report import write_report
-from topomap.study.run_data import RunData, TrueCalibration
-from topomap.study.summary import summarise, write_summary
-from topomap.types import Phase, StepRecord
+from topomap.recording.encode import run_header
+from topomap.recording.recorder import FinalMap, RunRecorder
+from topomap.recording.run_reader import load_run
+from topomap.report.report import write_report
 
 Progress = Callable[[int], None]
 

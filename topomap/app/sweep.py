@@ -17,11 +17,11 @@ from topomap.app import runs
 from topomap.app.config import RunConfig, load_config, read_toml
 from topomap.app.folder import RunFolder
 from topomap.app.wiring import versions
-from topomap.errors import ConfigError
-from topomap.study.figures_sweep import swept
-from topomap.study.pool import Store, digest_files, workers
-from topomap.study.summary import write_whole
-from topomap.study.sweep_table import SweptRun, to_csv, to_json
+from topomap.bench.pool import Store, digest_files, workers
+from topomap.bench.sweeps.figure import swept
+from topomap.bench.sweeps.table import SweptRun, to_csv, to_json
+from topomap.core.errors import ConfigError
+from topomap.evaluation.summary import write_whole
 
 AS_IT_IS = "default"
 

@@ -18,12 +18,12 @@ from sim2d.errors import WorldError
 from sim2d.laser import Laser
 from sim2d.shapes import Grid
 from sim2d.world import World
-from topomap.errors import DataError
-from topomap.geometry import FloatArray
-from topomap.study.homing_arena import Arena, Point, Recipe, central
-from topomap.study.pool import digest_files
-from topomap.types import Image, Plan
-from topomap.vision.panorama import Panorama
+from topomap.bench.pool import digest_files
+from topomap.core.arrays import FloatArray, Image
+from topomap.core.errors import DataError
+from topomap.core.panorama import Panorama
+from topomap.core.records import Plan
+from topomap.vision.arena import Arena, Point, Recipe, central
 
 NOISE_TABLE = 1 << 20
 CLEARANCE = 0.25

@@ -11,8 +11,7 @@ import numpy as np
 
 from topomap.app.config import StackConfig
 from topomap.app.wiring import build_navigator
-from topomap.geometry import FloatArray
-from topomap.types import Float32Array, Image
+from topomap.core.arrays import Float32Array, FloatArray, Image
 
 WIDTH, HEIGHT = 64, 24  # kernels are compiled by type, whatever the size
 AROUND, LAP = 60, 12.0  # steps and way [m] round the circle

@@ -7,13 +7,13 @@ from importlib.metadata import version
 
 from topomap.app.config import StackConfig
 from topomap.mapping.mapper import Mapper
-from topomap.navigation.active_check import ActiveCheck
 from topomap.navigation.localiser import Localiser
+from topomap.navigation.manoeuvres.active_check import ActiveCheck
 from topomap.navigation.mission import Mission
 from topomap.navigation.navigator import Navigator
 from topomap.navigation.pilot import Pilot
 from topomap.navigation.traveller import Traveller
-from topomap.vision.alignment.min_warping import MinWarpingCompass
+from topomap.vision.compass.min_warping_compass import MinWarpingCompass
 
 PACKAGES = ("topomap", "numpy", "scipy", "numba", "opencv-python-headless", "gtsam", "networkx", "pymunk", "mcap")
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import os
 
-from topomap.errors import DataError
-from topomap.study.homing_arena import Point
+from topomap.core.errors import DataError
+from topomap.vision.arena import Point
 
 
 def cores() -> int:

@@ -12,7 +12,7 @@ from sim2d.errors import WorldError
 from sim2d.path import of_route
 from sim2d.shapes import Spec
 from sim2d.world import World
-from topomap.errors import DataError
+from topomap.core.errors import DataError
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,7 @@ import typer
 from topomap.cli.console import console, grid, progress, show_wide
 
 if TYPE_CHECKING:
-    from topomap.study.homing_bench import Table
+    from topomap.bench.homing.bench import Table
 
 benches = typer.Typer(help="Measure methods against the truth.", no_args_is_help=True, rich_markup_mode=None)
 OUT = Path("runs") / "bench"
@@ -47,8 +47,8 @@ def homing(
     """Home vectors of all methods from every place of a grid: errors, catchment, success, time; with pictures."""
     from topomap.app import bench
     from topomap.app.words import cores
-    from topomap.study.homing_bench import BenchSettings
-    from topomap.study.pool import Store, default_folder
+    from topomap.bench.homing.bench import BenchSettings
+    from topomap.bench.pool import Store, default_folder
 
     settings = BenchSettings(compass=compass, starts=starts, within=within)
     asked = bench.request(env, grid, methods, seeds, home, settings, view)
@@ -65,7 +65,7 @@ def show(found: Table) -> None:
     """Print a homing table."""
     from rich.table import Table as Grid
 
-    from topomap.study.homing_table import HEADINGS, cells, title, unfit
+    from topomap.bench.homing.table import HEADINGS, cells, title, unfit
 
     shown = Grid(title=title(found), title_justify="left")
     for name in HEADINGS:
@@ -98,7 +98,7 @@ def study(
     """Repeat one of the thesis's experiments; write its figure and the figures behind it."""
     from topomap.app import bench
     from topomap.app.words import cores
-    from topomap.study.pool import Store, default_folder
+    from topomap.bench.pool import Store, default_folder
 
     store = Store(None if fresh else default_folder())
     for one in [one.name for one in bench.available()] if name == "all" else [name]:
@@ -120,8 +120,8 @@ def places(
     """Place recognition and compass of every aligner on real photographs."""
     from topomap.app import bench
     from topomap.app.words import cores
-    from topomap.study.places import names
-    from topomap.study.pool import Store, default_folder
+    from topomap.bench.places import names
+    from topomap.bench.pool import Store, default_folder
 
     store = Store(None if fresh else default_folder())
     with progress("places", len(names())) as advance:

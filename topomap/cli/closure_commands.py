@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import typer
 
 from topomap.cli.console import console, table
-from topomap.types import Verdict
+from topomap.core.records import Verdict
 
 if TYPE_CHECKING:
-    from topomap.study.run_data import RunData
+    from topomap.core.run_data import RunData
 
 COLUMNS = (("time [s]", 8), ("query", 5), ("match", 5), ("verdict", 9), ("truth", 5), ("off", 15), ("similarity", 10),
            ("scores", 60), ("reason", 1))  # fmt: skip

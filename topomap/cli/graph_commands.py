@@ -31,8 +31,8 @@ def graphs(
     """Inject false closures into pose graphs: precision, recall, error and time beside gtsam's optimisers."""
     from topomap.app import graph_bench
     from topomap.app.words import parse_seeds
-    from topomap.mapping.backend.peers import PEERS
-    from topomap.study.graph_bench import PeerLimits
+    from topomap.bench.pose_graphs.bench import PeerLimits
+    from topomap.mapping.optimizer.peers import PEERS
 
     chosen = list(PEERS) if peers == "all" else [] if peers == "none" else peers.split(",")
     if unknown := [name for name in chosen if name not in PEERS]:

@@ -20,7 +20,7 @@ from topomap.cli import (
     sweep_commands,
     world_commands,
 )
-from topomap.errors import TopomapError
+from topomap.core.errors import TopomapError
 
 app = typer.Typer(
     help="Loop-closing navigation with topological snapshot maps: drive, map, close the loop, go home, replay, look.",

@@ -17,7 +17,7 @@ def methods(
     text: str = typer.Argument("", help="List only the rows that contain this text."),
 ) -> None:
     """List every aligner and homing method with its row, needs, source and defaults."""
-    from topomap.vision.catalogue import entries
+    from topomap.vision.registry import entries
 
     shown = Table(title="Methods", title_justify="left")
     for column in ("row", "name", "family", "kind", "needs", "homes", "source", "defaults"):

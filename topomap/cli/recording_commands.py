@@ -26,7 +26,7 @@ def recording(
     """Map a recorded drive with every setting moved by 20 %, other starting curvatures, a tenth of its candidates."""
     from topomap.app import recordings
     from topomap.app.words import cores
-    from topomap.study.recording_bench import variations, worst
+    from topomap.bench.recordings.stability import variations, worst
 
     which = variations()
     with progress("recording", len(which)) as advance:

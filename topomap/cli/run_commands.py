@@ -82,7 +82,7 @@ def recover(
     out: Path = typer.Argument(help="The repaired log; must not exist yet.", metavar="OUT.mcap"),
 ) -> None:
     """Copy all that is readable of a log into a new, complete one, for viewers that refuse a cut-off file."""
-    from topomap.app.recover import recover_log
+    from topomap.recording.recover import recover_log
 
     console.print(f"{out}: {recover_log(log, out)}", soft_wrap=True)
 
@@ -103,7 +103,7 @@ def export(
 
 
 def show(result: RunResult) -> None:
-    from topomap.study.summary import table_rows
+    from topomap.evaluation.summary import table_rows
 
     table(table_rows(result.summary), str(result.summary["world"]))
     for path in result.files:

@@ -11,8 +11,8 @@ import typer
 from topomap.cli.console import console, grid, progress, show_wide
 
 if TYPE_CHECKING:
-    from topomap.study.statistics import Interval
-    from topomap.study.sweep_table import Line, Spread
+    from topomap.bench.sweeps.table import Line, Spread
+    from topomap.evaluation.statistics import Interval
 
 HEADINGS = (
     "world", "variant", "runs", "dead reckoning\n[m]", "map SE(2)\n[m]", "map Sim(2)\n[m]", "accepted",
@@ -41,7 +41,7 @@ def sweep(
     """Run worlds over seeds and variants of the settings: accuracy, closures, calibration, way home; one table."""
     from topomap.app import sweep as sweeps
     from topomap.app.words import cores, parse_seeds
-    from topomap.study.sweep_table import lines
+    from topomap.bench.sweeps.table import lines
 
     tasks = sweeps.plan(worlds, parse_seeds(seeds), config, settings, sweeps.variants(vary, variants), out)
     with progress("sweep", len(tasks)) as advance:

@@ -12,16 +12,16 @@ from itertools import pairwise
 import networkx as nx
 import numpy as np
 
-from topomap.contract import RigReading
-from topomap.geometry import FloatArray, Pose2, compose, wrap_all
-from topomap.mapping.backend.problem import ClosureEdge
-from topomap.mapping.odometry import Calibration, Increments, IntArray, integrate, track
-from topomap.types import Float32Array
+from topomap.core.arrays import Float32Array, FloatArray, IntArray
+from topomap.core.geometry import Pose2, compose, wrap_all
+from topomap.core.robot import RigReading
+from topomap.mapping.odometry.increments import Calibration, Increments, integrate, track
+from topomap.mapping.optimizer.problem import ClosureEdge
 
 
 @dataclass(frozen=True, slots=True)
 class RecordedRig:
-    """The rig of a stored snapshot, in the recorded convention (`topomap.contract.RigReading`)."""
+    """The rig of a stored snapshot, in the recorded convention (`topomap.core.robot.RigReading`)."""
 
     width: int
     height: int

@@ -13,11 +13,12 @@ from typing import Any
 
 import numpy as np
 
-from topomap.errors import DataError
-from topomap.geometry import FloatArray, Pose2
-from topomap.mapping.backend.problem import ClosureEdge
+from topomap.core.arrays import FloatArray
+from topomap.core.errors import DataError
+from topomap.core.geometry import Pose2
 from topomap.mapping.graph import Node, RecordedRig, Snapshot, TopoMap
-from topomap.mapping.odometry import Calibration, Increments
+from topomap.mapping.odometry.increments import Calibration, Increments
+from topomap.mapping.optimizer.problem import ClosureEdge
 
 FORMAT = 1
 

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from pydantic import BaseModel, Field
 
-from topomap.contract import Aligner, Reading
-from topomap.mapping.album import Album
-from topomap.mapping.closing import Closing, ClosingSettings
-from topomap.mapping.correction import Correction, CorrectionSettings
+from topomap.core.panorama import Panorama
+from topomap.core.records import Candidate, Decision, MapChange, NodeAdded, PlaceMatch
+from topomap.core.robot import Reading
+from topomap.mapping.closures.ledger import Ledger
+from topomap.mapping.closures.online import Closing, ClosingSettings
 from topomap.mapping.graph import RecordedRig, Snapshot, TopoMap
-from topomap.mapping.ledger import Ledger
-from topomap.mapping.recognition import Recognition, RecognitionSettings
-from topomap.mapping.snapshots import SnapshotSettings, View, make_rule
-from topomap.mapping.survey import Survey
-from topomap.types import Candidate, Decision, MapChange, NodeAdded, PlaceMatch
-from topomap.vision.compare import rotation_difference, signature
-from topomap.vision.panorama import Panorama
+from topomap.mapping.optimisation import Correction, CorrectionSettings
+from topomap.mapping.places.recognition import Recognition, RecognitionSettings
+from topomap.mapping.places.snapshots import SnapshotSettings, View, make_rule
+from topomap.mapping.places.view_cache import Album
+from topomap.mapping.track import Survey
+from topomap.vision.contracts import Aligner
+from topomap.vision.image.compare import rotation_difference, signature
 
 
 class MapperSettings(BaseModel, frozen=True, extra="forbid"):

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
+from topomap.core.records import MapChange, Where
 from topomap.mapping.mapper import Mapper
-from topomap.types import MapChange, Where
 
 
 class Localiser:

@@ -6,8 +6,8 @@ from typing import Literal
 
 from pydantic import BaseModel, Field
 
+from topomap.core.records import Goal, Phase, Travel
 from topomap.mapping.graph import TopoMap
-from topomap.types import Goal, Phase, Travel
 
 
 class MissionSettings(BaseModel, frozen=True, extra="forbid"):

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from topomap.contract import Reading
+from topomap.core.panorama import Panorama
+from topomap.core.records import Command, Phase, StepRecord
+from topomap.core.robot import Reading
 from topomap.mapping.mapper import Mapper
-from topomap.navigation.active_check import ActiveCheck
 from topomap.navigation.localiser import Localiser
+from topomap.navigation.manoeuvres.active_check import ActiveCheck
 from topomap.navigation.mission import Mission
 from topomap.navigation.stopwatch import Stopwatch
 from topomap.navigation.traveller import Traveller
-from topomap.types import Command, Phase, StepRecord
-from topomap.vision.panorama import Panorama
 
 
 class Navigator:

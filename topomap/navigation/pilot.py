@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 from pydantic import BaseModel, Field
 
-from topomap.geometry import TAU, FloatArray, wrap, wrap_all
-from topomap.types import Command, Float32Array
+from topomap.core.arrays import Float32Array, FloatArray
+from topomap.core.geometry import TAU, wrap, wrap_all
+from topomap.core.records import Command
 
 
 class PilotSettings(BaseModel, frozen=True, extra="forbid"):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import networkx as nx
 
-from topomap.errors import TopomapError
+from topomap.core.errors import TopomapError
 from topomap.mapping.graph import TopoMap
 
 

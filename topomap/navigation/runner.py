@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Protocol
 
-from topomap.contract import Reading, Robot
+from topomap.core.records import StepRecord
+from topomap.core.robot import Reading, Robot
 from topomap.navigation.navigator import Navigator
-from topomap.types import StepRecord
 
 
 class Observer(Protocol):

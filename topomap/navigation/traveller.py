@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from pydantic import BaseModel, Field
 
-from topomap.contract import Aligner
-from topomap.errors import TopomapError
-from topomap.geometry import wrap
+from topomap.core.errors import TopomapError
+from topomap.core.geometry import wrap
+from topomap.core.panorama import Panorama
+from topomap.core.records import Command, Goal, HomeVector, Phase, Travel, Where
 from topomap.mapping.mapper import Mapper
 from topomap.navigation import planner
 from topomap.navigation.arrival import Arrival, ArrivalSettings
 from topomap.navigation.pilot import Pilot, PilotSettings
-from topomap.types import Command, Goal, HomeVector, Phase, Travel, Where
-from topomap.vision.aligned import aligned_difference
-from topomap.vision.panorama import Panorama
+from topomap.vision.contracts import Aligner
+from topomap.vision.image.aligned_difference import aligned_difference
 
 
 class TravelSettings(BaseModel, frozen=True, extra="forbid"):

@@ -6,11 +6,11 @@ from collections.abc import Hashable
 from dataclasses import dataclass, replace
 from typing import Generic, TypeVar, cast
 
-from topomap.contract import Aligner, HomingMethod
-from topomap.geometry import TAU, wrap
-from topomap.types import Alignment, HomeVector
+from topomap.core.geometry import TAU, wrap
+from topomap.core.panorama import Panorama
+from topomap.core.records import Alignment, HomeVector
+from topomap.vision.contracts import Aligner, HomingMethod
 from topomap.vision.homing.needs import check
-from topomap.vision.panorama import Panorama
 
 D = TypeVar("D")
 

@@ -7,14 +7,15 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from topomap.errors import DataError
-from topomap.geometry import TAU, wrap
-from topomap.rig import Rig
-from topomap.types import HomeVector, Image
+from topomap.core.arrays import Image
+from topomap.core.errors import DataError
+from topomap.core.geometry import TAU, wrap
+from topomap.core.panorama import Panorama
+from topomap.core.records import HomeVector
+from topomap.core.rig import Rig
 from topomap.vision.homing import METHODS
 from topomap.vision.homing.auto import Auto
 from topomap.vision.homing.needs import check
-from topomap.vision.panorama import Panorama
 
 AUTO = Auto()
 

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from topomap.contract import HomingMethod
+from topomap.vision.contracts import HomingMethod
 from topomap.vision.homing.acv import AverageCorrectionalVector
 from topomap.vision.homing.alv import AverageLandmarkVector
 from topomap.vision.homing.area_centroid import AreaCentroid
@@ -25,8 +25,8 @@ from topomap.vision.homing.pixel_landmarks import PixelLandmarks
 from topomap.vision.homing.random_masks import RandomMasks, ReferenceMasks
 from topomap.vision.homing.run_down import RunDown
 from topomap.vision.homing.stationary_points import StationaryImage, StationaryPoints
-from topomap.vision.landmarks import MarkerSpec
-from topomap.vision.masks import MaskSpec
+from topomap.vision.image.haar_masks import MaskSpec
+from topomap.vision.image.landmarks import MarkerSpec
 
 METHODS: dict[str, HomingMethod[Any]] = {  # Any: each method keeps its own kind of description
     "alv": AverageLandmarkVector(),

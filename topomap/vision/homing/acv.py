@@ -8,13 +8,13 @@ from typing import ClassVar
 
 import numpy as np
 
-from topomap.geometry import wrap_all
-from topomap.types import HomeVector
+from topomap.core.geometry import wrap_all
+from topomap.core.panorama import Panorama
+from topomap.core.records import HomeVector
 from topomap.vision.homing.alv import Recipe, landmarks
 from topomap.vision.homing.needs import Needs
 from topomap.vision.homing.view_vector import same_camera, vector_home
-from topomap.vision.landmarks import EDGES, Landmarks, matched
-from topomap.vision.panorama import Panorama
+from topomap.vision.image.landmarks import EDGES, Landmarks, matched
 
 
 @dataclass(frozen=True, slots=True)

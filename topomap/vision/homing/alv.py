@@ -8,11 +8,11 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from topomap.types import HomeVector
+from topomap.core.panorama import Panorama
+from topomap.core.records import HomeVector
 from topomap.vision.homing.needs import Needs
 from topomap.vision.homing.view_vector import ViewVector, difference, same_camera, vector_home
-from topomap.vision.landmarks import EDGES, EdgeSpec, Landmarks, MarkerSpec, edges, markers, matched
-from topomap.vision.panorama import Panorama
+from topomap.vision.image.landmarks import EDGES, EdgeSpec, Landmarks, MarkerSpec, edges, markers, matched
 
 Recipe = EdgeSpec | MarkerSpec
 

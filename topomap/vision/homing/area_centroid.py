@@ -8,13 +8,14 @@ from typing import ClassVar
 
 import numpy as np
 
-from topomap.errors import DataError
-from topomap.geometry import TAU, FloatArray
-from topomap.types import HomeVector
-from topomap.vision.distances import distances
+from topomap.core.arrays import FloatArray
+from topomap.core.errors import DataError
+from topomap.core.geometry import TAU
+from topomap.core.panorama import Panorama
+from topomap.core.records import HomeVector
 from topomap.vision.homing.needs import Needs
 from topomap.vision.homing.view_vector import ViewVector, same_camera
-from topomap.vision.panorama import Panorama
+from topomap.vision.image.distances import distances
 
 
 @dataclass(frozen=True, slots=True)

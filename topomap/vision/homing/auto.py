@@ -6,17 +6,17 @@ import math
 from dataclasses import dataclass, replace
 from typing import ClassVar, Literal
 
-from topomap.geometry import TAU, wrap
-from topomap.types import Alignment, HomeVector
-from topomap.vision.aligned import aligned_difference
+from topomap.core.geometry import TAU, wrap
+from topomap.core.panorama import Panorama
+from topomap.core.records import Alignment, HomeVector
 from topomap.vision.homing.area_centroid import AreaCentroid
 from topomap.vision.homing.dtw import DynamicWarping
 from topomap.vision.homing.epipolar import Epipolar, home_of
 from topomap.vision.homing.needs import Needs
 from topomap.vision.homing.view_vector import same_views
-from topomap.vision.panorama import Panorama
-from topomap.vision.scale_planes import WARPING, WarpingSpec, warping_view
-from topomap.vision.warping import best, warp
+from topomap.vision.image.aligned_difference import aligned_difference
+from topomap.vision.image.scale_planes import WARPING, WarpingSpec, warping_view
+from topomap.vision.matching.warping import best, warp
 
 Choice = Literal["epipolar", "range", "dtw", "warping", "none"]
 CHANCE = -1.1

@@ -8,14 +8,15 @@ from typing import ClassVar
 
 import numpy as np
 
-from topomap.errors import ShapeError
-from topomap.geometry import TAU, FloatArray
-from topomap.types import HomeVector
+from topomap.core.arrays import FloatArray
+from topomap.core.errors import ShapeError
+from topomap.core.geometry import TAU
+from topomap.core.panorama import Panorama
+from topomap.core.records import HomeVector
 from topomap.vision.homing.needs import Needs
 from topomap.vision.homing.view_vector import same_camera, vector_home
-from topomap.vision.landmarks import Landmarks, matched
-from topomap.vision.masks import box_sums
-from topomap.vision.panorama import Panorama
+from topomap.vision.image.haar_masks import box_sums
+from topomap.vision.image.landmarks import Landmarks, matched
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,13 +7,13 @@ from typing import ClassVar, Protocol
 
 import numpy as np
 
-from topomap.geometry import TAU
-from topomap.types import HomeVector
-from topomap.vision.compare import normalised, shrunk
+from topomap.core.geometry import TAU
+from topomap.core.panorama import Panorama
+from topomap.core.records import HomeVector
 from topomap.vision.homing.goal_view import GoalView
 from topomap.vision.homing.needs import Needs
 from topomap.vision.homing.view_vector import ViewVector, difference, same_views, vector_home
-from topomap.vision.panorama import Panorama
+from topomap.vision.image.compare import normalised, shrunk
 
 
 @dataclass(frozen=True, slots=True)

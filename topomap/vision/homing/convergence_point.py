@@ -7,13 +7,13 @@ from typing import ClassVar
 
 import numpy as np
 
-from topomap.types import HomeVector
-from topomap.vision.convergence import convergence_point, points
-from topomap.vision.distances import Source, distances
-from topomap.vision.features import Feature, features
+from topomap.core.panorama import Panorama
+from topomap.core.records import HomeVector
 from topomap.vision.homing.needs import Needs
 from topomap.vision.homing.view_vector import ViewVector, difference
-from topomap.vision.panorama import Panorama
+from topomap.vision.image.colour_features import Feature, features
+from topomap.vision.image.distances import Source, distances
+from topomap.vision.matching.moment_potential import convergence_point, points
 
 
 @dataclass(frozen=True, slots=True)

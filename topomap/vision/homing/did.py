@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from topomap.types import HomeVector
-from topomap.vision.compare import SignatureSpec, mean_abs, signature
+from topomap.core.panorama import Panorama
+from topomap.core.records import HomeVector
 from topomap.vision.homing.goal_view import GoalView
 from topomap.vision.homing.needs import Needs
 from topomap.vision.homing.view_vector import same_views, vector_home
-from topomap.vision.panorama import Panorama
+from topomap.vision.image.compare import SignatureSpec, mean_abs, signature
 
 BLURRED = SignatureSpec(columns=90, rows=25, blur=2.0)
 """sigma 16 columns by 8 rows of a 720 x 100 panorama after the shrinking's own averaging."""

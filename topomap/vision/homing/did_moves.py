@@ -8,12 +8,13 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from topomap.geometry import TAU, FloatArray, wrap
-from topomap.types import HomeVector
-from topomap.vision.compare import Signature, SignatureSpec, rms, signature
+from topomap.core.arrays import FloatArray
+from topomap.core.geometry import TAU, wrap
+from topomap.core.panorama import Panorama
+from topomap.core.records import HomeVector
 from topomap.vision.homing.did import BLURRED
 from topomap.vision.homing.needs import Needs
-from topomap.vision.panorama import Panorama
+from topomap.vision.image.compare import Signature, SignatureSpec, rms, signature
 
 Form = Literal["basic", "gradient", "newton"]
 

@@ -8,15 +8,16 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from topomap.errors import ShapeError
-from topomap.geometry import TAU, FloatArray, wrap
-from topomap.types import Float32Array, HomeVector
+from topomap.core.arrays import Float32Array, FloatArray
+from topomap.core.errors import ShapeError
+from topomap.core.geometry import TAU, wrap
+from topomap.core.panorama import Panorama
+from topomap.core.records import HomeVector
 from topomap.vision.homing.needs import Needs
-from topomap.vision.inhibition import Inhibition, inhibited
-from topomap.vision.kernels import dtw_pairs, dtw_path
-from topomap.vision.panorama import Panorama
-from topomap.vision.ring import RING, RingSpec, ring
-from topomap.vision.stationary import FLOW, FlowSpec, fitted_flow
+from topomap.vision.image.ring import RING, RingSpec, ring
+from topomap.vision.matching.inhibition import Inhibition, inhibited
+from topomap.vision.matching.kernels import dtw_pairs, dtw_path
+from topomap.vision.matching.ring_flow import FLOW, FlowSpec, fitted_flow
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,13 +6,13 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from topomap.geometry import wrap
-from topomap.types import HomeVector
-from topomap.vision.epipolar import EpipolarSpec, Movement, movement
+from topomap.core.geometry import wrap
+from topomap.core.panorama import Panorama
+from topomap.core.records import HomeVector
 from topomap.vision.homing.needs import Needs
 from topomap.vision.homing.view_vector import same_camera
-from topomap.vision.keypoints import Keypoints, KeypointSpec, keypoints, matched_keypoints
-from topomap.vision.panorama import Panorama
+from topomap.vision.image.keypoints import Keypoints, KeypointSpec, keypoints, matched_keypoints
+from topomap.vision.matching.two_view import EpipolarSpec, Movement, movement
 
 KEYPOINTS = KeypointSpec()
 SEARCH = EpipolarSpec()
@@ -22,7 +22,7 @@ ENOUGH = 8.0
 
 @dataclass(frozen=True, slots=True)
 class Epipolar:
-    """The direction of movement that most matched points allow, reversed (`topomap.vision.epipolar`).
+    """The direction of movement that most matched points allow, reversed (`topomap.vision.matching.two_view`).
 
     No distances are assumed equal, no compass is needed; window [rad]: how far the views may be turned against
     each other. Bearing only.

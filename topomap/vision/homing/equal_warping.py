@@ -8,16 +8,17 @@ from typing import ClassVar
 
 import numpy as np
 
-from topomap.errors import ShapeError
-from topomap.geometry import TAU
-from topomap.types import Float32Array, HomeVector
-from topomap.vision.equal_warping import Steps, equal_search, found, tables
+from topomap.core.arrays import Float32Array
+from topomap.core.errors import ShapeError
+from topomap.core.geometry import TAU
+from topomap.core.panorama import Panorama
+from topomap.core.records import HomeVector
 from topomap.vision.homing.needs import Needs
-from topomap.vision.kernels import scale_planes
-from topomap.vision.panorama import Panorama
-from topomap.vision.ring import RingSpec, ring
-from topomap.vision.scale_planes import WARPING, WarpingSpec, WarpingView, warping_view
-from topomap.vision.warping import best, rotations
+from topomap.vision.image.ring import RingSpec, ring
+from topomap.vision.image.scale_planes import WARPING, WarpingSpec, WarpingView, warping_view
+from topomap.vision.matching.equal_distance_search import Steps, equal_search, found, tables
+from topomap.vision.matching.kernels import scale_planes
+from topomap.vision.matching.warping import best, rotations
 
 STEPS = Steps()
 RING_144 = RingSpec(columns=144, bands=3, blur=2.0)

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
-from topomap.contract import Needs
-from topomap.errors import ShapeError
-from topomap.types import HomeVector
-from topomap.vision.panorama import Panorama
+from topomap.core.errors import ShapeError
+from topomap.core.panorama import Panorama
+from topomap.core.records import HomeVector
+from topomap.vision.contracts import Needs
 
 S = TypeVar("S")
 

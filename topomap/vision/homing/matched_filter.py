@@ -7,13 +7,14 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from topomap.geometry import TAU
-from topomap.rig import Rig
-from topomap.types import Float32Array, HomeVector
-from topomap.vision.compare import normalised, shrunk
+from topomap.core.arrays import Float32Array
+from topomap.core.geometry import TAU
+from topomap.core.panorama import Panorama
+from topomap.core.records import HomeVector
+from topomap.core.rig import Rig
 from topomap.vision.homing.needs import Needs
 from topomap.vision.homing.view_vector import same_camera, vector_home
-from topomap.vision.panorama import Panorama
+from topomap.vision.image.compare import normalised, shrunk
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -6,11 +6,11 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from topomap.types import HomeVector
+from topomap.core.panorama import Panorama
+from topomap.core.records import HomeVector
 from topomap.vision.homing.needs import Needs
-from topomap.vision.panorama import Panorama
-from topomap.vision.scale_planes import WARPING, WarpingSpec, WarpingView, warping_view
-from topomap.vision.warping import best, warp
+from topomap.vision.image.scale_planes import WARPING, WarpingSpec, WarpingView, warping_view
+from topomap.vision.matching.warping import best, warp
 
 
 @dataclass(frozen=True, slots=True)

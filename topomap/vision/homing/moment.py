@@ -7,13 +7,14 @@ from typing import Literal
 
 import numpy as np
 
-from topomap.geometry import TAU, FloatArray
-from topomap.types import HomeVector
-from topomap.vision.distances import Source, distances
-from topomap.vision.features import Feature, features
+from topomap.core.arrays import FloatArray
+from topomap.core.geometry import TAU
+from topomap.core.panorama import Panorama
+from topomap.core.records import HomeVector
 from topomap.vision.homing.needs import Needs
 from topomap.vision.homing.view_vector import ViewVector, difference
-from topomap.vision.panorama import Panorama
+from topomap.vision.image.colour_features import Feature, features
+from topomap.vision.image.distances import Source, distances
 
 Form = Literal["centroid", "gradient", "pixel", "area"]
 _RAISED = {"centroid": 0.0, "gradient": 0.0, "pixel": 1.0, "area": 2.0}

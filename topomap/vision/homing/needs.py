@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from topomap.contract import Needs as NeedsContract
-from topomap.errors import DataError
-from topomap.vision.panorama import Panorama
+from topomap.core.errors import DataError
+from topomap.core.panorama import Panorama
+from topomap.vision.contracts import Needs as NeedsContract
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,13 +7,13 @@ from typing import ClassVar
 
 import numpy as np
 
-from topomap.geometry import TAU
-from topomap.types import HomeVector
-from topomap.vision.distances import Source, distances
+from topomap.core.geometry import TAU
+from topomap.core.panorama import Panorama
+from topomap.core.records import HomeVector
 from topomap.vision.homing.needs import Needs
 from topomap.vision.homing.view_vector import ViewVector, difference
-from topomap.vision.panorama import Panorama
-from topomap.vision.pixel_selection import coloured
+from topomap.vision.image.distances import Source, distances
+from topomap.vision.image.pixel_selection import coloured
 
 
 @dataclass(frozen=True, slots=True)

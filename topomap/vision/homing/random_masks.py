@@ -7,12 +7,12 @@ from typing import ClassVar
 
 import numpy as np
 
-from topomap.types import HomeVector
+from topomap.core.panorama import Panorama
+from topomap.core.records import HomeVector
 from topomap.vision.homing.goal_view import GoalView
 from topomap.vision.homing.needs import Needs
 from topomap.vision.homing.view_vector import ViewVector, difference, same_views, vector_home
-from topomap.vision.masks import MaskSpec, masks, scores
-from topomap.vision.panorama import Panorama
+from topomap.vision.image.haar_masks import MaskSpec, masks, scores
 
 MASKS = MaskSpec()
 

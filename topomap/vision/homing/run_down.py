@@ -8,14 +8,15 @@ from typing import ClassVar
 
 import numpy as np
 
-from topomap.geometry import TAU, FloatArray, wrap
-from topomap.types import HomeVector
-from topomap.vision.compare import ARRIVAL, SignatureSpec, rms, signature
-from topomap.vision.features import horizon
+from topomap.core.arrays import FloatArray
+from topomap.core.geometry import TAU, wrap
+from topomap.core.panorama import Panorama
+from topomap.core.records import HomeVector
 from topomap.vision.homing.needs import Needs
 from topomap.vision.homing.view_vector import same_views
-from topomap.vision.panorama import Panorama
-from topomap.vision.pixel_selection import equalised, landmark_count
+from topomap.vision.image.colour_features import horizon
+from topomap.vision.image.compare import ARRIVAL, SignatureSpec, rms, signature
+from topomap.vision.image.pixel_selection import equalised, landmark_count
 
 FIELDS = ((1.0, 0.0, 0.0, -1.0), (-1.0, 0.0, 0.0, 1.0), (0.0, 1.0, 1.0, 0.0), (0.0, -1.0, -1.0, 0.0))
 """(X, -Y), (-X, Y), (Y, X), (-Y, -X): at least one of the four homes (5.12)."""

@@ -9,16 +9,17 @@ from typing import ClassVar, TypeVar, cast
 import cv2
 import numpy as np
 
-from topomap.errors import ShapeError
-from topomap.geometry import TAU, FloatArray, wrap
-from topomap.rig import Rig
-from topomap.types import Float32Array, HomeVector, Image
-from topomap.vision.compare import normalised, shrunk
+from topomap.core.arrays import Float32Array, FloatArray, Image
+from topomap.core.errors import ShapeError
+from topomap.core.geometry import TAU, wrap
+from topomap.core.panorama import Panorama
+from topomap.core.records import HomeVector
+from topomap.core.rig import Rig
 from topomap.vision.homing.needs import Needs
 from topomap.vision.homing.view_vector import same_camera
-from topomap.vision.panorama import Panorama
-from topomap.vision.ring import RingSpec, ring
-from topomap.vision.stationary import FLOW, FlowSpec, fitted_flow, measured_flow
+from topomap.vision.image.compare import normalised, shrunk
+from topomap.vision.image.ring import RingSpec, ring
+from topomap.vision.matching.ring_flow import FLOW, FlowSpec, fitted_flow, measured_flow
 
 _RING = RingSpec(columns=180)
 P = TypeVar("P", Image, Float32Array)

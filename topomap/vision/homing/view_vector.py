@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from topomap.errors import ShapeError
-from topomap.rig import Rig
-from topomap.types import HomeVector
-from topomap.vision.panorama import Panorama
+from topomap.core.errors import ShapeError
+from topomap.core.panorama import Panorama
+from topomap.core.records import HomeVector
+from topomap.core.rig import Rig
 
 NOTHING = 1e-9
 """A difference below this share of the vectors themselves is rounding."""

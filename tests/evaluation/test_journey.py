@@ -1,0 +1,60 @@
+"""The way home in numbers."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from synthetic_run import LAP, make_run
+
+from topomap.evaluation.journey import HomeResult, handover_step, home, reference_route
+
+RUN = make_run()
+
+
+def test_claimed_and_not_within_is_told_apart() -> None:
+    result = home(RUN)
+    # 60 steps after hand-over at the start, the goal is node 7, taken at step 56
+    assert result.asked
+    assert result.claimed
+    assert not result.within
+    assert result.error == pytest.approx(0.4, abs=0.01)
+    assert result.path_ratio == pytest.approx(6.0 / 5.6, rel=0.01)
+
+
+def test_within_thirty_centimetres() -> None:
+    nearer = replace(RUN, nodes=tuple(replace(n, stamp_ns=n.stamp_ns + 10**9) for n in RUN.nodes))
+    result = home(nearer)
+    assert result.within
+    assert result.error == pytest.approx(0.0, abs=1e-9)
+
+
+def test_only_contact_after_handover_is_a_collision() -> None:
+    contact = np.zeros(len(RUN.stamps_ns), dtype=np.bool_)
+    contact[[5, 2 * LAP - 1, 2 * LAP, 2 * LAP + 9, 2 * LAP + 10, 2 * LAP + 20]] = True
+    # the episode that the driver began isn't the stack's
+    assert home(replace(RUN, contact=contact)).collisions == 2
+
+
+def test_the_reference_follows_the_milestones() -> None:
+    assert handover_step(RUN) == 2 * LAP
+    route = reference_route(RUN)
+    assert route is not None
+    assert len(route) == 5
+    straight = reference_route(replace(RUN, milestones=()))
+    assert straight is not None
+    assert len(straight) == 2
+    assert RUN.truth is not None
+    assert straight[1] == pytest.approx(RUN.truth[56, :2])
+
+
+def test_a_replay_and_a_run_without_a_goal() -> None:
+    assert home(replace(RUN, replayed=True)) == HomeResult()
+    assert home(replace(RUN, goal_node=None)) == HomeResult(asked=False)
+
+
+def test_driven_to_the_end_has_no_way_home() -> None:
+    result = home(replace(RUN, driven=np.ones(len(RUN.stamps_ns), dtype=np.bool_)))
+    assert result.path_ratio is None
+    assert result.collisions is None

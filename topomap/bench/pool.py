@@ -1,0 +1,164 @@
+"""Tasks on all cores, with results kept by content: a second call does nothing anew."""
+
+from __future__ import annotations
+
+import hashlib
+import multiprocessing
+import os
+import pickle
+import tempfile
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from contextlib import contextmanager
+from functools import cache
+from pathlib import Path
+from typing import Any, Protocol, TypeVar
+
+import cv2
+
+import topomap
+
+R = TypeVar("R", covariant=True)
+T = TypeVar("T")
+DECIDING = (
+    "core/*.py",
+    "vision/**/*.py",
+    "datasets/**/*.py",
+    "bench/**/*.py",
+    "experiments/*.py",
+    "evaluation/statistics.py",
+)
+"""The source files whose change makes kept results void."""
+
+
+class Task(Protocol[R]):
+    """Something to compute whose `key` says all that decides the result; picklable."""
+
+    @property
+    def key(self) -> str: ...
+
+    def perform(self) -> R: ...
+
+
+class Store:
+    """Results in files named by the digest of their task's key and of the code; folder None keeps nothing.
+
+    Only what this program wrote itself is read back (pickles).
+    """
+
+    def __init__(self, folder: Path | None) -> None:
+        self._folder = folder
+        self.hits = 0
+
+    def get(self, key: str) -> Any:  # Any: the task knows what its result is
+        """Return the kept result of a key, or None; a damaged file counts as none."""
+        if self._folder is None:
+            return None
+        try:
+            found = pickle.loads(self._path(key, self._folder).read_bytes())
+        except (OSError, pickle.UnpicklingError, EOFError, AttributeError, ImportError, IndexError):
+            return None
+        self.hits += 1
+        return found
+
+    def put(self, key: str, result: object) -> None:
+        """Keep a result; whole or not at all."""
+        if self._folder is None:
+            return
+        path = self._path(key, self._folder)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.NamedTemporaryFile(dir=path.parent, delete=False) as file:
+            pickle.dump(result, file)
+        Path(file.name).replace(path)
+
+    def _path(self, key: str, folder: Path) -> Path:
+        name = hashlib.sha256(f"{topomap.__version__} {code_digest()} {key}".encode()).hexdigest()
+        return folder / name[:2] / f"{name}.pickle"
+
+
+def default_folder() -> Path:
+    """Return where results are kept unless told otherwise: TOPOMAP_CACHE or the user's cache folder."""
+    named = os.environ.get("TOPOMAP_CACHE")
+    if named:
+        return Path(named)
+    return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "topomap" / "bench"
+
+
+@cache
+def code_digest() -> str:
+    """Return a digest of the code that decides the results."""
+    return digest_files(Path(topomap.__file__).parent, DECIDING)
+
+
+def digest_files(root: Path, patterns: Sequence[str]) -> str:
+    """Return a digest of the files under root that match, by name and content."""
+    digest = hashlib.sha256()
+    for path in sorted({path for pattern in patterns for path in root.glob(pattern)}):
+        digest.update(str(path.relative_to(root)).encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()
+
+
+class Workers:
+    """A number of processes, or this one alone; results never depend on how many."""
+
+    def __init__(self, store: Store, pool: ProcessPoolExecutor | None) -> None:
+        self._store = store
+        self._pool = pool
+
+    def run(self, tasks: Sequence[Task[T]], advance: Callable[[], None]) -> list[T]:
+        """Return the results in the order of the tasks; `advance` is called after each that is done."""
+        results: dict[int, T] = {}
+        for i, task in enumerate(tasks):
+            kept = self._store.get(task.key)
+            if kept is not None:
+                results[i] = kept
+                advance()
+        missing = [i for i in range(len(tasks)) if i not in results]
+        for i, result in self._performed(tasks, missing):
+            self._store.put(tasks[i].key, result)
+            results[i] = result
+            advance()
+        return [results[i] for i in range(len(tasks))]
+
+    def _performed(self, tasks: Sequence[Task[T]], missing: list[int]) -> Iterator[tuple[int, T]]:
+        if self._pool is None:
+            for i in missing:
+                yield i, tasks[i].perform()
+            return
+        waiting = {self._pool.submit(_perform, tasks[i]): i for i in missing}
+        for future in as_completed(waiting):
+            yield waiting[future], future.result()
+
+
+@contextmanager
+def workers(count: int, store: Store) -> Iterator[Workers]:
+    """Yield `count` workers; 1 works in this process."""
+    if count <= 1:
+        with _one_thread():
+            yield Workers(store, None)
+        return
+    # a forked copy of a process with threads (numba, OpenCV) may hang
+    context = multiprocessing.get_context("spawn")
+    pool = ProcessPoolExecutor(count, mp_context=context, initializer=_single_threaded)
+    try:
+        yield Workers(store, pool)
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _perform(task: Task[T]) -> T:
+    return task.perform()
+
+
+def _single_threaded() -> None:
+    cv2.setNumThreads(1)  # milliseconds are those of one thread
+
+
+@contextmanager
+def _one_thread() -> Iterator[None]:
+    before = cv2.getNumThreads()
+    cv2.setNumThreads(1)
+    try:
+        yield
+    finally:
+        cv2.setNumThreads(before)

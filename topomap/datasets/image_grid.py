@@ -1,0 +1,247 @@
+"""Panoramas on a grid: a folder of images whose places are in their names or in a CSV file.
+
+What the images are is said in `grid.toml` beside them (or any file given); its keys are the fields of `GridSpec`. For
+the Bielefeld/Vardy databases, whose raw omnidirectional images are named by column and row of the grid:
+
+    pattern = "{x}_{y}.png"      # grid column and row
+    unit_m = 0.3                 # metres per column
+    horizon_row = 49.5
+    unwrap = "mirror.toml"       # the mirror's rig, as `topomap rig fit IMAGE --out mirror.toml` writes it; leave it
+                                 # out for images that are panoramas already
+"""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import math
+import re
+import tomllib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from pydantic import BaseModel, Field, ValidationError
+
+from topomap.core.arrays import FloatArray, Image
+from topomap.core.errors import DataError
+from topomap.core.geometry import TAU, wrap
+from topomap.core.panorama import Panorama
+from topomap.datasets.mirror_file import Unwrapper, read_mirror
+from topomap.vision.arena import Arena, Recipe, central
+from topomap.vision.image.decode import decode
+
+SPEC_NAME = "grid.toml"
+NUMBER = r"[-+]?\d+(?:\.\d+)?"
+
+
+class GridSpec(BaseModel, frozen=True, extra="forbid"):
+    """What the images of a folder are: exactly one of `pattern` and `csv` says where each was taken."""
+
+    pattern: str | None = Field(None, description="file name with {x} and {y}, may be {heading}, as in cv_{x}_{y}.png")
+    csv: str | None = Field(None, description="CSV file with one line an image")
+    x: str = Field("x", description="CSV column of x")
+    y: str = Field("y", description="CSV column of y")
+    heading: str | None = Field(None, description="CSV column of the heading [degrees]; none: all look one way")
+    file: str = Field("file", description="CSV column of the file name")
+    unit_m: float = Field(1.0, gt=0, description="metres per unit of x and y")
+    convention: Literal["ccw-from-x", "cw-from-y"] = Field("ccw-from-x", description="how headings are counted")
+    heading_deg: float = Field(0.0, description="heading of all images where none is given [degrees]")
+    forward_column: int | None = Field(None, ge=0, description="column along the heading; none: the middle one")
+    clockwise: bool = Field(True, description="columns run clockwise, as people read a panorama")
+    horizon_row: float | None = Field(None, description="row of eye level; none: the middle of the image")
+    camera_height: float = Field(0.0, ge=0, description="height of the camera [m]; 0: unknown")
+    unwrap: str | None = Field(None, description="rig file of the mirror, for raw omnidirectional images")
+
+
+ANTWORLD = GridSpec(
+    csv="grid.csv", x="X [mm]", y="Y [mm]", heading="Heading [degrees]", file="Filename", unit_m=0.001,
+    convention="cw-from-y",
+)  # fmt: skip
+"""What efkag's AntWorld data sets are; they are known by the header of their CSV file."""
+ANTWORLD_HEADER = "X [mm],Y [mm],Z [mm],Heading [degrees],Filename"
+
+
+@dataclass(frozen=True, slots=True)
+class RecordedRig:
+    """How the images of a grid were taken, as `topomap.core.robot.RigReading` says."""
+
+    width: int
+    height: int
+    horizon_row: float
+    focal: float
+    camera_height: float
+    forward_column: int
+    clockwise: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Shot:
+    """An image file and where it was taken: x, y [m], heading [rad, counter-clockwise from +x]."""
+
+    path: Path
+    x: float
+    y: float
+    heading: float
+
+
+class ImageGrid:
+    """Images on a grid as a ViewSource: there are views at its positions only, turned by whole columns."""
+
+    def __init__(self, name: str, shots: list[Shot], spec: GridSpec, unwrap: Unwrapper | None = None) -> None:
+        self.name = name
+        self.shots = shots
+        self.positions: FloatArray = np.array([[shot.x, shot.y] for shot in shots])
+        self.spacing = _spacing(self.positions)
+        self._spec = spec
+        self._unwrap = unwrap
+
+    def view(self, x: float, y: float, heading: float) -> Panorama:
+        """Return the view at a position [m] of the grid, turned to a heading [rad]. Raises DataError elsewhere."""
+        distance = np.hypot(*(self.positions - (x, y)).T)
+        nearest = int(distance.argmin())
+        if distance[nearest] > 0.25 * self.spacing:
+            raise DataError(f"{self.name} has no image at {x:g},{y:g} m")
+        shot = self.shots[nearest]
+        # a robot turned left of how the image was taken sees it rolled to the right
+        return self._panorama(shot).rotated(wrap(shot.heading - heading))
+
+    def _panorama(self, shot: Shot) -> Panorama:
+        try:
+            image = decode(shot.path.read_bytes())
+        except (OSError, DataError) as error:
+            raise DataError(f"{shot.path}: can't be read as an image: {error}") from error
+        if self._unwrap is not None:
+            return self._unwrap.panorama(image)
+        return Panorama.from_recorded(image, _rig(image, self._spec))
+
+
+def load_grid(folder: Path, spec_file: Path | None = None) -> ImageGrid:
+    """Read a folder of panoramas on a grid. Raises DataError that names file and line."""
+    if not folder.is_dir():
+        raise DataError(f"{folder}: no such folder")
+    spec = _spec(folder, spec_file)
+    shots = list(_from_csv(folder, spec) if spec.csv else _from_names(folder, spec))
+    _check(folder, shots)
+    unwrap = None
+    if spec.unwrap:
+        mirror = read_mirror((spec_file or folder / SPEC_NAME).parent / spec.unwrap)
+        unwrap = Unwrapper(mirror, spec.horizon_row, spec.camera_height)
+    return ImageGrid(folder.resolve().name, shots, spec, unwrap)
+
+
+def grid_recipe(folder: Path, seed: int = 0) -> Recipe:
+    """Return the recipe of an image grid's arena. Raises DataError."""
+    grid = load_grid(folder)
+    states = [(shot, shot.path.stat().st_size, shot.path.stat().st_mtime_ns) for shot in grid.shots]
+    identity = hashlib.sha256(repr((states, grid._spec)).encode()).hexdigest()
+    return Recipe(grid.name, seed, grid_arena, (str(folder.resolve()),), identity)
+
+
+def grid_arena(name: str, seed: int, options: tuple[str, ...]) -> Arena:
+    """Return the arena of an image grid; options: its folder. Raises DataError."""
+    grid = load_grid(Path(options[0]))
+    return Arena(name, grid, grid.positions, grid.spacing, False, central(grid.positions))
+
+
+def _spec(folder: Path, spec_file: Path | None) -> GridSpec:
+    path = spec_file or folder / SPEC_NAME
+    if not path.exists() and spec_file is None:
+        return _known(folder)
+    try:
+        spec = GridSpec.model_validate(tomllib.loads(path.read_text(encoding="utf8")))
+    except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise DataError(f"{path}: can't be read: {error}") from error
+    except ValidationError as error:
+        first = error.errors()[0]
+        raise DataError(f"{path}: {'.'.join(map(str, first['loc']))}: {first['msg']}") from error
+    if (spec.pattern is None) == (spec.csv is None):
+        raise DataError(f"{path}: say either pattern or csv")
+    return spec
+
+
+def _known(folder: Path) -> GridSpec:
+    """Return the spec of a folder in a known format without a spec of its own."""
+    path = folder / str(ANTWORLD.csv)
+    if path.is_file() and path.read_text(encoding="utf8", errors="replace").startswith(ANTWORLD_HEADER):
+        return ANTWORLD
+    raise DataError(f"{folder}: there is no {SPEC_NAME} that says what its images are (see topomap.datasets)")
+
+
+def _from_csv(folder: Path, spec: GridSpec) -> Iterator[Shot]:
+    path = folder / str(spec.csv)
+    try:
+        lines = path.read_text(encoding="utf8").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise DataError(f"{path}: can't be read: {error}") from error
+    reader = csv.DictReader(lines, skipinitialspace=True)
+    columns = [spec.x, spec.y, spec.file, *([spec.heading] if spec.heading else [])]
+    for name in columns:
+        if name not in (reader.fieldnames or []):
+            raise DataError(f"{path}:1: there is no column {name!r}; there are {', '.join(reader.fieldnames or [])}")
+    for row in reader:
+        where = f"{path}:{reader.line_num}"
+        file = folder / (row[spec.file] or "")
+        if not file.is_file():
+            raise DataError(f"{where}: there is no image {row[spec.file]!r}")
+        turn = _number(where, spec.heading, row[spec.heading]) if spec.heading else spec.heading_deg
+        x, y = (_number(where, name, row[name]) * spec.unit_m for name in (spec.x, spec.y))
+        yield Shot(file, x, y, _heading(turn, spec))
+
+
+def _from_names(folder: Path, spec: GridSpec) -> Iterator[Shot]:
+    escaped = re.escape(str(spec.pattern))
+    named = re.sub(r"\\{(x|y|heading)\\}", lambda field: f"(?P<{field[1]}>{NUMBER})", escaped)
+    try:
+        pattern = re.compile(named)
+    except re.error as error:
+        raise DataError(f"{folder / SPEC_NAME}: pattern {spec.pattern!r}: {error}") from error
+    if not {"x", "y"} <= pattern.groupindex.keys():
+        raise DataError(f"{folder / SPEC_NAME}: pattern {spec.pattern!r} needs {{x}} and {{y}}")
+    for path in sorted(folder.iterdir()):
+        match = pattern.fullmatch(path.name)
+        if match is None:
+            continue
+        found = match.groupdict()
+        turn = float(found.get("heading") or spec.heading_deg)
+        yield Shot(path, float(found["x"]) * spec.unit_m, float(found["y"]) * spec.unit_m, _heading(turn, spec))
+
+
+def _check(folder: Path, shots: list[Shot]) -> None:
+    if len(shots) < 2:
+        raise DataError(f"{folder}: {len(shots)} images are named as its spec says; a grid needs at least two")
+    taken: dict[tuple[float, float], Shot] = {}
+    for shot in shots:
+        other = taken.setdefault((round(shot.x, 6), round(shot.y, 6)), shot)
+        if other is not shot:
+            raise DataError(f"{shot.path}: stands at the place of {other.path.name}")
+
+
+def _number(where: str, field: str, word: str | None) -> float:
+    try:
+        value = float(word or "")
+    except ValueError:
+        raise DataError(f"{where}: {field}: {word!r} is no number") from None
+    if not math.isfinite(value):
+        raise DataError(f"{where}: {field}: {word!r} isn't finite")
+    return value
+
+
+def _heading(degrees: float, spec: GridSpec) -> float:
+    return wrap(math.radians(degrees if spec.convention == "ccw-from-x" else 90.0 - degrees))
+
+
+def _spacing(positions: FloatArray) -> float:
+    """Return the median distance from a position to its nearest neighbour [m]."""
+    gaps = np.hypot(*np.moveaxis(positions[:, None] - positions[None], -1, 0))
+    np.fill_diagonal(gaps, np.inf)
+    return float(np.median(gaps.min(axis=1)))
+
+
+def _rig(image: Image, spec: GridSpec) -> RecordedRig:
+    height, width = image.shape[:2]
+    horizon = (height - 1) / 2 if spec.horizon_row is None else spec.horizon_row
+    forward = width // 2 if spec.forward_column is None else spec.forward_column
+    return RecordedRig(width, height, horizon, width / TAU, spec.camera_height, forward, spec.clockwise)

@@ -1,0 +1,125 @@
+"""The summary of a run: the keys of `summary.json`, its file and its rows for a terminal."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from topomap.core.arrays import FloatArray
+from topomap.core.records import Estimate
+from topomap.core.run_data import RunData
+from topomap.evaluation.closures import count
+from topomap.evaluation.journey import home
+from topomap.evaluation.summary_table import Summary, table_rows
+from topomap.evaluation.trajectory import ate, travel
+
+__all__ = ["Summary", "plain", "summarise", "table_rows", "write_summary", "write_whole"]
+
+
+def summarise(run: RunData) -> Summary:
+    """Return the summary of a run: plain JSON values, null where something doesn't apply.
+
+    A calibration value that the data doesn't show has found null and keeps its sigma. A replay's home members
+    are all null. distance_m is the true path length, or the odometry's where the truth is unknown.
+    """
+    way = home(run)
+    closures = count(run)
+    believed, true = run.calibration, run.true_calibration
+    return {
+        "world": run.world,
+        "seed": run.seed,
+        "config": plain(run.config),
+        "distance_m": _number(_distance(run)),
+        "steps": len(run.stamps_ns),
+        "steps_per_s": _number(run.steps_per_s),
+        "snapshots": sum(node.snapshot for node in run.nodes),
+        "closures": {
+            "proposed": closures.proposed,
+            "accepted": closures.accepted,
+            "false": closures.false,
+            "gross": closures.gross,
+            "possible": closures.possible,
+            "recall": _number(closures.recall),
+        },
+        "dead_reckoning_ate_m": _ates(run, run.dead_reckoning),
+        "map_ate_m": _ates(run, run.final),
+        "online_ate_m": _ates(run, run.online),
+        "rotation_scale": _scale(true.rotation_scale, believed.rotation_scale if believed else None),
+        "distance_scale": _scale(true.distance_scale, believed.distance_scale if believed else None),
+        "curvature": _scale(true.curvature, believed.curvature if believed else None),
+        "home": {
+            "asked": way.asked,
+            "claimed": way.claimed,
+            "within_0_3_m": way.within,
+            "error_m": _number(way.error),
+            "path_ratio": _number(way.path_ratio),
+            "collisions": way.collisions,
+        },
+        "graph_hash": run.graph_hash,
+        "versions": plain(run.versions),
+    }
+
+
+def plain(value: object) -> object:
+    """Return a value as JSON knows it: numbers that aren't finite are null, what has no JSON form is text."""
+    if isinstance(value, np.generic):
+        value = value.item()
+    if value is None or isinstance(value, bool | int | str):
+        return value
+    if isinstance(value, float):
+        return _number(value)
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple | set | frozenset | np.ndarray):
+        return [plain(item) for item in (sorted(value) if isinstance(value, set | frozenset) else value)]
+    return str(value)
+
+
+def write_summary(path: Path, summary: Summary) -> None:
+    """Write a summary as JSON, whole or not at all: a temporary file beside it is renamed over it.
+
+    Raises OSError where the folder can't be written, ValueError for a number that JSON doesn't know.
+    """
+    text = json.dumps(summary, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    write_whole(path, text)
+
+
+def write_whole(path: Path, text: str) -> None:
+    """Write text to a file so that nobody ever sees half of it; raises OSError."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    try:
+        temporary.write_text(text, encoding="utf-8")
+        temporary.replace(path)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def _distance(run: RunData) -> float:
+    known = run.truth is not None and bool(np.isfinite(run.truth[:, :2]).all())
+    path = travel(run.truth if known and run.truth is not None else run.dead_reckoning)
+    return float(path[-1]) if len(path) else 0.0
+
+
+def _ates(run: RunData, estimate: FloatArray) -> Summary:
+    if run.truth is None:
+        return {"se2": None, "sim2": None}
+    return {
+        "se2": _number(ate(estimate, run.truth)),
+        "sim2": _number(ate(estimate, run.truth, scale=True)),
+    }
+
+
+def _scale(true: float | None, believed: Estimate | None) -> Summary:
+    found = believed.value if believed is not None and believed.observed else None
+    sigma = believed.sigma if believed is not None else None
+    return {"true": _number(true), "found": _number(found), "sigma": _number(sigma)}
+
+
+def _number(value: float | None) -> float | None:
+    return None if value is None or not math.isfinite(value) else float(value)

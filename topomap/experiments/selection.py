@@ -1,0 +1,58 @@
+"""The study of landmark pixels chosen by their brightness: how many, and what the choice is worth (5.30, 5.32)."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from topomap.bench.homing.contestant import Pairwise, view_at
+from topomap.core.arrays import FloatArray
+from topomap.core.panorama import Panorama
+from topomap.experiments.routes import RouteModel
+from topomap.experiments.study import Finding, Lab, away_from_home, draw_bars, row_values
+from topomap.report.figures import style
+from topomap.vision.arena import Arena
+from topomap.vision.homing.run_down import FIELDS
+from topomap.vision.image.colour_features import horizon
+from topomap.vision.image.pixel_selection import equalised, landmark_count
+
+ROOM = "a1original"
+
+
+def pixel_selection(lab: Lab) -> Finding:
+    """The chosen number of columns over the distance, and the four route models with all of them and with these."""
+    arena = lab.recipes(ROOM)[0].arena()
+    counts = chosen_counts(arena)
+    figure = style.canvas(12.4, 4.6)
+    left, right = figure.subplots(1, 2)
+    _draw_counts(left, arena, counts)
+    variants = [
+        Pairwise(f"M{k + 1}, {'chosen' if chosen else 'all'} columns", RouteModel(k, chosen))
+        for k in range(len(FIELDS))
+        for chosen in (False, True)
+    ]
+    rows = lab.rows(ROOM, variants)
+    draw_bars(right, f"route models without distances, {ROOM}", {one.name: rows[one.name] for one in variants})
+    return Finding(figure, {
+        "mean_count": round(float(counts.mean()), 2),
+        "models": {one.name: row_values(rows[one.name]) for one in variants},
+    })  # fmt: skip
+
+
+def chosen_counts(arena: Arena) -> FloatArray:
+    """Return how many of its brightest columns each place (N,) keeps when it is compared with home."""
+    goal = _brightness(view_at(arena.source, arena.home))
+    views = (view_at(arena.source, arena.at(i)) for i in range(len(arena.positions)))
+    return np.array([float(landmark_count(_brightness(view), goal)) for view in views])
+
+
+def _brightness(view: Panorama) -> FloatArray:
+    return equalised(horizon(view).mean(axis=0))
+
+
+def _draw_counts(axes: Axes, arena: Arena, counts: FloatArray) -> None:
+    style.dress(axes, f"chosen by itself: {counts.mean():.0f} columns in the mean, {arena.name}",
+                "distance from home [m]", "columns that count as landmarks")  # fmt: skip
+    axes.plot(away_from_home(arena), counts, "x", color=style.GREY, markersize=4.5)
+    axes.axhline(float(counts.mean()), color=style.BLUE, linewidth=1.6)
+    axes.set_ylim(bottom=0.0)

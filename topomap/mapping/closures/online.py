@@ -1,0 +1,168 @@
+"""Closing loops: proposals become candidates, pass the tests one by one, and end in the ledger with a reason."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from pydantic import BaseModel, Field
+
+from topomap.core.arrays import IntArray
+from topomap.core.geometry import Pose2
+from topomap.core.records import Candidate, Decision, Verdict
+from topomap.mapping.closures.appearance import Outcome, Verification, VerificationSettings
+from topomap.mapping.closures.ledger import Ledger, key_of
+from topomap.mapping.closures.odometry_gate import GateSettings, OdometryGate
+from topomap.mapping.closures.relative_pose import ClosureOffset, OffsetSettings
+from topomap.mapping.closures.same_place import Likeness, LikenessSettings
+from topomap.mapping.closures.voting import Quorum, QuorumSettings
+from topomap.mapping.optimisation import Correction
+from topomap.mapping.optimizer.problem import ClosureEdge
+from topomap.mapping.places.recognition import Proposal
+from topomap.mapping.places.view_cache import Album
+from topomap.mapping.track import Survey
+from topomap.mapping.uncertainty.reachability import Ways
+from topomap.vision.contracts import Aligner
+
+
+class ClosingSettings(BaseModel, frozen=True, extra="forbid"):
+    """How a closure is tested and measured."""
+
+    verification: VerificationSettings = Field(default_factory=VerificationSettings)
+    gate: GateSettings = Field(default_factory=lambda: GateSettings(probability=0.95))
+    reach: float = Field(0.99, gt=0.5, lt=1, description="probability that the true place is among those compared")
+    offset: OffsetSettings = Field(default_factory=OffsetSettings)
+    likeness: LikenessSettings = Field(default_factory=LikenessSettings)
+    quorum: QuorumSettings = Field(default_factory=QuorumSettings)
+    alone: float = Field(
+        1.2, gt=0, description="where odometry knows the place better than this, it leaves no other [m]"
+    )
+
+
+class Closing:
+    """Tests proposals by sight, by odometry and by one another, and writes the verdicts into the ledger."""
+
+    def __init__(
+        self,
+        settings: ClosingSettings,
+        aligner: Aligner,
+        survey: Survey,
+        album: Album,
+        ledger: Ledger,
+        correction: Correction,
+    ) -> None:
+        self._s = settings
+        self._survey, self._map, self._album = survey, survey.map, album
+        self._ledger, self._correction = ledger, correction
+        self._verification = Verification(settings.verification, aligner)
+        self._gate = OdometryGate(settings.gate)
+        self._offset = ClosureOffset(settings.offset)
+        self._likeness = Likeness(settings.likeness)
+        self._quorum = Quorum(settings.quorum, survey.map)
+        self._testimonies: list[tuple[Candidate, bool, str]] = []
+        self._ways = Ways(survey.map, correction, settings.offset.position_sigma, settings.reach)
+
+    def within_reach(self, nodes: IntArray) -> IntArray:
+        """Return those of some older nodes (n,) at which odometry allows the robot to be now."""
+        return self._ways.within_reach(self._survey.pose, nodes)
+
+    def testify(self, candidate: Candidate, agrees: bool, reason: str) -> None:
+        """Take what an active check saw of a pending candidate; it counts in the next step."""
+        self._testimonies.append((candidate, agrees, reason))
+
+    def judge(self, stamp_ns: int, proposal: Proposal | None) -> tuple[Decision, ...]:
+        """Return the verdicts of this step, on a proposal and on what waited for it; all are kept in the ledger."""
+        late = self._quorum.expired(self._survey.travel)
+        reason = "no other closure agreed in time, and odometry leaves several places open"
+        decisions = [self._ledger.decide(stamp_ns, c, Verdict.REFUSED, reason) for c in late]
+        for testimony in self._testimonies:
+            decisions += self._hear(stamp_ns, *testimony)
+        self._testimonies.clear()
+        if proposal is not None:
+            decisions += self._by_sight(stamp_ns, proposal)
+        return tuple(decisions)
+
+    def _hear(self, stamp_ns: int, candidate: Candidate, agrees: bool, reason: str) -> list[Decision]:
+        """Refuse a candidate that still waits, or let it vote once more."""
+        if self._ledger.verdict(key_of(candidate)) is not Verdict.PENDING:
+            return []
+        self._quorum.drop(candidate)
+        if not agrees:
+            return [self._ledger.decide(stamp_ns, candidate, Verdict.REFUSED, reason)]
+        return self._vote(stamp_ns, replace(candidate, scores={**candidate.scores, "active": 1.0}), f"; {reason}")
+
+    def _by_sight(self, stamp_ns: int, proposal: Proposal) -> list[Decision]:
+        """Compare the likeliest places in detail; a clear winner goes on to the odometry's test.
+
+        Where odometry leaves several places open, the true one may not be on the map at all: then what looks alike
+        elsewhere, out of reach, tells how much a likeness is worth.
+        """
+        open_places = self._ways.reach(proposal.places[0].node) > self._s.alone
+        near = {place.node for place in proposal.places}
+        rivals = [rival for rival in proposal.rivals if open_places and rival.node not in near]
+        outcome = self._verification.judge(
+            proposal.moment.panorama, proposal.places, rivals, self._album.panorama, self._map.length
+        )
+        objection = outcome.objection
+        match = outcome.winner.match
+        if not objection and match.node not in proposal.moment.difference:
+            objection = "the place most alike is out of the odometry's reach"
+        if not objection and match.difference > proposal.limit:
+            objection = f"the view is as unlike it as other places are ({match.difference:.2f} > {proposal.limit:.2f})"
+        if objection:
+            candidate = self._candidate(proposal, outcome, Pose2(0.0, 0.0, outcome.winner.alignment.rotation))
+            return [self._ledger.decide(stamp_ns, candidate, Verdict.REFUSED, objection)]
+        place = self._album.panorama(match.node)
+        offset = self._offset.measure(outcome.winner, place, proposal.moment.panorama)
+        candidate = self._candidate(proposal, outcome, offset.relative)
+        scores = {**candidate.scores, "share": offset.share}
+        candidate = replace(candidate, covariance=offset.covariance, scores=scores)
+        if unlike := self._likeness.objection(candidate.scores["cost"], offset):
+            return [self._ledger.decide(stamp_ns, candidate, Verdict.REFUSED, unlike)]
+        return self._by_odometry(stamp_ns, candidate, open_places)
+
+    def _candidate(self, proposal: Proposal, outcome: Outcome, relative: Pose2) -> Candidate:
+        winner = outcome.winner
+        cost = winner.alignment.residual
+        return Candidate(
+            proposal.moment.stamp_ns,
+            winner.match.node,
+            self._map.nodes[winner.match.node].stamp_ns,
+            relative,
+            self._offset.same_spot,
+            max(0.0, 1.0 - cost),
+            scores={
+                "difference": winner.match.difference,
+                "limit": proposal.limit,
+                "cost": cost,
+                "ratio": outcome.ratio,
+            },
+        )
+
+    def _by_odometry(self, stamp_ns: int, candidate: Candidate, open_places: bool) -> list[Decision]:
+        """Hold a candidate that was believed by sight against the way between the two nodes."""
+        query = self._survey.node_at(candidate.query_ns)
+        expected = self._map.pose(candidate.match).to(self._map.pose(query))
+        finding = self._gate.judge(candidate, expected, self._ways.covariance(candidate.match, query))
+        candidate = replace(candidate, query=query, scores={**candidate.scores, "sigmas": finding.score})
+        if not finding.passed:
+            return [self._ledger.decide(stamp_ns, candidate, Verdict.REFUSED, finding.reason)]
+        if not open_places:
+            return [self._accept(stamp_ns, candidate, finding.reason)]
+        return self._vote(stamp_ns, candidate)
+
+    def _vote(self, stamp_ns: int, candidate: Candidate, more: str = "") -> list[Decision]:
+        """Accept a candidate with all that agree, or let it wait; more: what else there is to say of it."""
+        agreeing = self._quorum.add(candidate)
+        if not agreeing:
+            reason = f"odometry leaves several places open: waits for others that agree{more}"
+            return [self._ledger.decide(stamp_ns, candidate, Verdict.PENDING, reason)]
+        checked = ", and an active check" if any("active" in c.scores for c in agreeing) else ""
+        return [self._accept(stamp_ns, c, f"{len(agreeing)} closures agree{checked}{more}") for c in agreeing]
+
+    def _accept(self, stamp_ns: int, candidate: Candidate, reason: str) -> Decision:
+        assert candidate.query is not None
+        edge = ClosureEdge(candidate.match, candidate.query, candidate.relative, candidate.covariance)
+        self._map.close(edge)
+        self._correction.believe(edge, candidate)
+        seen = f"one place is alike (cost {candidate.scores['cost']:.2f}, ratio {candidate.scores['ratio']:.2f})"
+        return self._ledger.decide(stamp_ns, candidate, Verdict.ACCEPTED, f"{seen}; {reason}")

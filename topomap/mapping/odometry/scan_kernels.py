@@ -1,0 +1,97 @@
+"""The hot loops of scan matching, in one module so that numba's cache notices every change."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from topomap.core.arrays import FloatArray
+
+
+@njit(cache=True)
+def surfaces(ranges: FloatArray, half: int, flatness: float) -> tuple[FloatArray, FloatArray]:
+    """Return points (W, 2) [m] and unit normals (W, 2) of a scan (W,), counter-clockwise from the nose.
+
+    The normal is that of the line through `half` neighbours on either side; it is NaN where the neighbours are missing,
+    lie on another surface or bend more than `flatness` (smallest over largest spread).
+    """
+    n = len(ranges)
+    points, normals = np.full((n, 2), np.nan), np.full((n, 2), np.nan)
+    for j in range(n):
+        points[j, 0] = ranges[j] * math.cos(2.0 * math.pi * j / n)
+        points[j, 1] = ranges[j] * math.sin(2.0 * math.pi * j / n)
+    for j in range(n):
+        mean_x, mean_y, near = 0.0, 0.0, True
+        for k in range(j - half, j + half + 1):
+            mean_x += points[k % n, 0] / (2 * half + 1)
+            mean_y += points[k % n, 1] / (2 * half + 1)
+            apart = math.hypot(points[k % n, 0] - points[j, 0], points[k % n, 1] - points[j, 1])
+            near = near and apart < 0.3 + 0.2 * ranges[j]
+        if not near:
+            continue
+        xx, xy, yy = 0.0, 0.0, 0.0
+        for k in range(j - half, j + half + 1):
+            dx, dy = points[k % n, 0] - mean_x, points[k % n, 1] - mean_y
+            xx, xy, yy = xx + dx * dx, xy + dx * dy, yy + dy * dy
+        spread = math.sqrt((xx - yy) ** 2 + 4.0 * xy * xy)
+        small, large = 0.5 * (xx + yy - spread), 0.5 * (xx + yy + spread)
+        if large <= 0.0 or small > flatness * large:
+            continue
+        angle = 0.5 * math.atan2(2.0 * xy, xx - yy) + 0.5 * math.pi
+        normals[j, 0], normals[j, 1] = math.cos(angle), math.sin(angle)
+    return points, normals
+
+
+@njit(cache=True)
+def normal_equations(
+    points: FloatArray,
+    normals: FloatArray,
+    moved: FloatArray,
+    moved_normals: FloatArray,
+    pose: FloatArray,
+    cutoff: float,
+    window: int,
+) -> tuple[FloatArray, FloatArray, float, int]:
+    """Return H (3, 3), g (3,), the weighted squared error and the number of point-to-line pairs within the cutoff [m].
+
+    pose (3,): where the moved scan is believed to stand; each of its points is paired with the nearest one of the first
+    scan among `window` rays to either side of the direction it is seen in, if the surfaces face alike.
+    """
+    n = len(points)
+    information, gradient = np.zeros((3, 3)), np.zeros(3)
+    error, used = 0.0, 0
+    c, s = math.cos(pose[2]), math.sin(pose[2])
+    row = np.empty(3)
+    for j in range(n):
+        if math.isnan(moved_normals[j, 0]):
+            continue
+        x, y = c * moved[j, 0] - s * moved[j, 1], s * moved[j, 0] + c * moved[j, 1]
+        facing_x = c * moved_normals[j, 0] - s * moved_normals[j, 1]
+        facing_y = s * moved_normals[j, 0] + c * moved_normals[j, 1]
+        at_x, at_y = x + pose[0], y + pose[1]
+        middle = round(math.atan2(at_y, at_x) * n / (2.0 * math.pi))
+        best, distance = -1, (2.0 * cutoff + 0.15) ** 2
+        for k in range(middle - window, middle + window + 1):
+            i = k % n
+            if math.isnan(normals[i, 0]):
+                continue
+            squared = (points[i, 0] - at_x) ** 2 + (points[i, 1] - at_y) ** 2
+            if squared < distance:
+                best, distance = i, squared
+        if best < 0 or abs(facing_x * normals[best, 0] + facing_y * normals[best, 1]) < 0.9:
+            continue
+        off = (at_x - points[best, 0]) * normals[best, 0] + (at_y - points[best, 1]) * normals[best, 1]
+        if abs(off) >= cutoff:
+            continue
+        weight = (1.0 - (off / cutoff) ** 2) ** 2
+        row[0], row[1] = normals[best, 0], normals[best, 1]
+        row[2] = x * normals[best, 1] - y * normals[best, 0]
+        for a in range(3):
+            gradient[a] += weight * row[a] * off
+            for b in range(3):
+                information[a, b] += weight * row[a] * row[b]
+        error += weight * off * off
+        used += 1
+    return information, gradient, error, used

@@ -1,0 +1,202 @@
+"""Correcting the map: what the back end is asked, when, and what is done with its answer."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from pydantic import BaseModel, Field
+
+from topomap.core.arrays import BoolArray, FloatArray
+from topomap.core.records import CalibrationState, Candidate, Decision, Verdict
+from topomap.mapping.closures.ledger import Ledger
+from topomap.mapping.graph import TopoMap
+from topomap.mapping.odometry.calibration import calibration_state
+from topomap.mapping.odometry.increments import Calibration
+from topomap.mapping.optimizer import (
+    BackendSettings,
+    ClosureEdge,
+    Closures,
+    OdometryEdge,
+    Problem,
+    Slices,
+    Solution,
+    solve_recent,
+    solving,
+)
+from topomap.mapping.optimizer.problem import PRIOR_SIGMAS
+from topomap.mapping.sequential import Neighbours, NeighbourSettings
+from topomap.vision.contracts import Aligner
+
+# places seen again tell nothing of the distance scale and would shrink the world (DESIGN.md): unmeasured it is held
+HELD = 1e-4
+
+
+class CorrectionSettings(BaseModel, frozen=True, extra="forbid"):
+    """When the map is corrected and what the odometry's errors may be."""
+
+    backend: BackendSettings = Field(default_factory=BackendSettings)
+    neighbours: NeighbourSettings = Field(default_factory=NeighbourSettings)
+    every: int = Field(10, ge=1, description="nodes after which the map is solved though nothing surprising happened")
+    surprise: float = Field(1.0, ge=0, description="a closure further off than this is solved at once [sigmas]")
+    large: int = Field(500, ge=1, description="nodes and closures from which on a map is solved bit by bit")
+    alarm: float = Field(2.5, ge=0, description="in a large map, a closure further off than this asks for all [sigmas]")
+    growth: float = Field(0.1, gt=0, description="share by which a large map grows between two solves of all")
+    stretch: int = Field(200, ge=2, description="odometry edges that are solved in between in a large map")
+
+
+class Correction:
+    """Collects the evidence on the odometry's errors and solves for poses and calibration.
+
+    A small map is solved whole, within a step. Of a large one the newest stretch is; the whole is solved one
+    Gauss-Newton step a step, when it has grown by a share or a closure says something new, and the result applied then:
+    after a number of steps that depends on the map alone, so that a replay does the same.
+    """
+
+    def __init__(self, settings: CorrectionSettings, aligner: Aligner, topo: TopoMap) -> None:
+        self._s = settings
+        self._map = topo
+        self.neighbours = Neighbours(settings.neighbours, aligner, topo)
+        self._closures: list[tuple[ClosureEdge, Candidate]] = []
+        self._covariance = np.diag(np.square(PRIOR_SIGMAS))
+        self._running: Slices[Solution] | None = None
+        self._solved_nodes = self._whole_nodes = 0
+        self._heard = 0
+        self.solves = 0
+        self._surprise = 0.0
+
+    def update(self, stamp_ns: int, ledger: Ledger) -> tuple[bool, list[Decision]]:
+        """Solve what is due; return whether the map was moved and which verdicts changed."""
+        if self._running is None and self._whole_due:
+            self._start()
+            if self._large:
+                return False, []
+        if self._running is not None:
+            return self._advance(stamp_ns, ledger)
+        if self._stretch_due:
+            return self._solve_stretch(stamp_ns, ledger)
+        return False, []
+
+    def believe(self, edge: ClosureEdge, candidate: Candidate) -> None:
+        """Put an accepted closure before the back end, from the next solve on."""
+        self._closures.append((edge, candidate))
+        self._surprise = max(self._surprise, candidate.scores["sigmas"])
+
+    def solve(self, stamp_ns: int, ledger: Ledger) -> tuple[bool, list[Decision]]:
+        """Solve the whole map now; return whether it was moved and which verdicts changed."""
+        self._start()
+        found = None
+        while self._running is not None:
+            found = self._advance(stamp_ns, ledger)
+        assert found is not None
+        return found
+
+    @property
+    def _large(self) -> bool:
+        return len(self._map.nodes) + len(self._closures) > self._s.large
+
+    @property
+    def _whole_due(self) -> bool:
+        nodes = len(self._map.nodes)
+        if not self._large:
+            return self._surprise > self._s.surprise or nodes - self._solved_nodes >= self._s.every
+        return self._surprise > self._s.alarm or nodes > (1 + self._s.growth) * self._whole_nodes
+
+    @property
+    def _stretch_due(self) -> bool:
+        new = len(self._map.nodes) - self._solved_nodes
+        return self._large and (new >= self._s.every or self._surprise > self._s.surprise)
+
+    def _start(self) -> None:
+        self._solved_nodes = self._whole_nodes = len(self._map.nodes)
+        self._surprise, self._heard = 0.0, len(self._closures)
+        self._running = solving(self._problem(), self._s.backend, self._doubted() if self._large else None)
+
+    def _doubted(self) -> BoolArray:
+        """Return which closures (M,) the map does without."""
+        on_map = {(c.i, c.j) for c in self._map.closures}
+        return np.array([(edge.i, edge.j) not in on_map for edge, _ in self._closures], bool)
+
+    def _advance(self, stamp_ns: int, ledger: Ledger) -> tuple[bool, list[Decision]]:
+        """Do one slice of a large map's solve, or all of a small one's; apply a better result at the end."""
+        assert self._running is not None
+        try:
+            next(self._running)
+            while not self._large:
+                next(self._running)
+        except StopIteration as end:
+            self._running = None
+            return self._apply(stamp_ns, ledger, end.value)
+        return False, []
+
+    def _apply(self, stamp_ns: int, ledger: Ledger, solution: Solution) -> tuple[bool, list[Decision]]:
+        self.solves += 1
+        self._covariance = self._honest(solution.calibration_covariance)
+        if not solution.improved:
+            return False, []
+        self._map.move(solution.poses, solution.calibration)
+        return True, self._review(stamp_ns, ledger, range(self._heard), solution.closure_weights)
+
+    def _solve_stretch(self, stamp_ns: int, ledger: Ledger) -> tuple[bool, list[Decision]]:
+        self.solves += 1
+        self._solved_nodes, self._surprise = len(self._map.nodes), 0.0
+        edges = [OdometryEdge(*e) for e in self._map.edges_from(max(0, len(self._map.chain) - 1 - self._s.stretch))]
+        ends = {edge.j for edge in edges}
+        new = [k for k, (edge, _) in enumerate(self._closures) if edge.j in ends]
+        closures = Closures.of([self._closures[k][0] for k in new])
+        turns = self.neighbours.turns[-self._s.stretch :]
+        found = solve_recent(self._map.poses, edges, closures, turns, self._map.calibration, self._s.backend)
+        if not found.solution.improved:
+            return False, []
+        self._map.shift(found.nodes, found.solution.poses)
+        return True, self._review(
+            stamp_ns, ledger, [new[k] for k in found.heard.tolist()], found.solution.closure_weights
+        )
+
+    @property
+    def covariance(self) -> FloatArray:
+        """Covariance (3, 3) of `Calibration.vector` as the last solve left it."""
+        return self._covariance
+
+    @property
+    def state(self) -> CalibrationState:
+        """The calibration with its sigmas; observed where the data narrowed the prior to half."""
+        return calibration_state(self._map.calibration, self._covariance, PRIOR_SIGMAS)
+
+    def _problem(self) -> Problem:
+        scale = self.neighbours.distance_scale
+        sigma = scale.sigma / scale.value if scale.observed else HELD
+        return Problem(
+            self._map.poses.copy(),
+            tuple(OdometryEdge(a, b, increments) for a, b, increments in self._map.odometry_edges()),
+            Closures.of([edge for edge, _ in self._closures]),
+            tuple(self.neighbours.turns),
+            self._map.calibration,
+            Calibration(distance_scale=scale.value),
+            (PRIOR_SIGMAS[0], PRIOR_SIGMAS[1], sigma),
+        )
+
+    def _honest(self, covariance: FloatArray) -> FloatArray:
+        """Return the covariance (3, 3) of a solution; what was only held is as unknown as before."""
+        if self.neighbours.distance_scale.observed:
+            return covariance
+        honest = covariance.copy()
+        honest[2, :], honest[:, 2] = 0.0, 0.0
+        honest[2, 2] = PRIOR_SIGMAS[2] ** 2
+        return honest
+
+    def _review(self, stamp_ns: int, ledger: Ledger, heard: Sequence[int], weights: FloatArray) -> list[Decision]:
+        """Withdraw what a solution disbelieves and take back what it believes again; each stays for later solves."""
+        changed = []
+        on_map = {(c.i, c.j) for c in self._map.closures}
+        for k, weight in zip(heard, weights.tolist(), strict=True):
+            edge, candidate = self._closures[k]
+            standing = (edge.i, edge.j) in on_map
+            if weight < 0.5 and standing:
+                self._map.open(edge)
+                reason = "the back end can't fit it beside the other evidence"
+                changed.append(ledger.decide(stamp_ns, candidate, Verdict.WITHDRAWN, reason))
+            elif weight >= 0.5 and not standing:
+                self._map.close(edge)
+                changed.append(ledger.decide(stamp_ns, candidate, Verdict.ACCEPTED, "fits after all"))
+        return changed

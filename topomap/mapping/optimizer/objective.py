@@ -1,0 +1,198 @@
+"""Poses and calibration together: errors, weights and one Gauss-Newton step."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from topomap.core.arrays import BoolArray, FloatArray, IntArray
+from topomap.core.geometry import wrap_all
+from topomap.mapping.odometry.increments import Calibration, EdgeIncrements
+from topomap.mapping.optimizer.calibration_jacobian import carried, with_calibration
+from topomap.mapping.optimizer.elimination import Condensed, condense
+from topomap.mapping.optimizer.linear_system import LinearSystem
+from topomap.mapping.optimizer.problem import Problem
+from topomap.mapping.optimizer.residuals import Blocks, axis_blocks, closure_blocks, odometry_blocks, turn_blocks
+from topomap.mapping.uncertainty.odometry_chain import Chain
+
+WEIGHTLESS = 1e-6  # a closure with less weight is left out of the system
+LARGEST_STEP = np.array([0.1, 0.02, 0.1])  # of the calibration: keeps the linearisation honest
+
+
+def geman_mcclure(chi2: FloatArray, cutoff: float | FloatArray) -> FloatArray:
+    """Return the weights (n,) of squared errors (n,) (Yang et al. 2020, eq. 12, mu c^2 = cutoff^2).
+
+    cutoff: one for all or one each (n,).
+    """
+    return np.asarray((cutoff**2 / (chi2 + cutoff**2)) ** 2)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class State:
+    """An estimate: poses (N, 3) and calibration."""
+
+    poses: FloatArray
+    calibration: Calibration
+
+    def stepped(self, poses: FloatArray, calibration: FloatArray, length: float) -> State:
+        """Return the state moved by a share of a step of poses (N, 3) and calibration (3,)."""
+        moved = self.poses + length * poses
+        moved[:, 2] = wrap_all(moved[:, 2])
+        return State(moved, Calibration.of(self.calibration.vector() + length * calibration))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Linearised:
+    """All residuals at a state, and how the poses move with the calibration (N, 3, 3) if odometry alone counts."""
+
+    odometry: Blocks
+    closures: Blocks
+    turns: Blocks
+    axes: Blocks
+    prior: FloatArray
+    carried: FloatArray
+
+
+class Graph:
+    """A problem in one piece: evaluates and linearises it at any state."""
+
+    def __init__(self, problem: Problem, turn_cutoff: float) -> None:
+        self.problem = problem
+        self._edges = EdgeIncrements.of([e.increments for e in problem.odometry])
+        self._pairs = _pairs([(e.i, e.j) for e in problem.odometry])
+        self._turn_pairs = _pairs([(t.i, t.j) for t in problem.turns])
+        self._turns = np.array([(t.turn, t.sigma) for t in problem.turns]).reshape(-1, 2)
+        self._axis_pairs = _pairs([(a.i, a.j) for a in problem.axes])
+        self._axis_sigmas = np.array([a.sigma for a in problem.axes])
+        self._sigmas = np.array(problem.prior_sigmas)
+        self._order = np.append(self._pairs[:, 0], self._pairs[-1:, 1])
+        self._turn_on_edge = self._on_edge(self._turn_pairs)
+        self._axis_on_edge = self._on_edge(self._axis_pairs)
+        self._turn_cutoffs = turn_cutoff * np.sqrt(1.0 + self._turn_allowance() / self._turns[:, 1] ** 2)
+        self._axis_cutoff = turn_cutoff
+
+    def _on_edge(self, pairs: IntArray) -> BoolArray:
+        """Return which of some pairs (n, 2) are neighbours on the way, in its direction, each edge's first only."""
+        place = np.full(len(self.problem.poses), -2)
+        place[self._order] = np.arange(len(self._order))
+        beside = (place[pairs[:, 1]] - place[pairs[:, 0]] == 1) & (place[pairs[:, 0]] >= 0)
+        first = np.zeros(len(pairs), bool)
+        first[np.unique(pairs[:, 0], return_index=True)[1]] = True
+        return np.asarray(beside & first)
+
+    def _turn_allowance(self) -> FloatArray:
+        """Return (n,) how far off the seen turns odometry may begin [rad^2]: where it is the worse of the two, a
+        right turn looks like a wrong one at first.
+        """
+        if not len(self._turns):
+            return np.zeros(0)
+        edges = self._edges.integrate(self.problem.calibration)
+        place = np.zeros(len(self.problem.poses), np.int64)
+        place[self._order] = np.arange(len(self._order))
+        i, j = place[self._turn_pairs].T
+
+        def between(values: FloatArray) -> FloatArray:
+            sums = np.concatenate([np.zeros((1, *values.shape[1:])), np.cumsum(values, axis=0)])
+            return np.asarray(sums[j] - sums[i])
+
+        random = between(edges.covariances(self.problem.calibration)[:, 2, 2])
+        systematic = between(edges.jacobians(self.problem.calibration)[:, 2])
+        return np.asarray(np.abs(random) + systematic**2 @ self._sigmas**2)
+
+    def chain(self) -> tuple[Chain, IntArray]:
+        """Return the travelled chain by the problem's own estimate, and each node's (N,) place in it."""
+        order = self._order
+        edges = self._edges.integrate(self.problem.calibration)
+        covariance = np.diag(self._sigmas**2)
+        chain = Chain.of(self.problem.poses[order], edges, self.problem.calibration, covariance)
+        position = np.zeros(len(self.problem.poses), np.int64)
+        position[order] = np.arange(len(order))
+        return chain, position
+
+    def start(self) -> State:
+        """Return the problem's own estimate."""
+        return State(self.problem.poses, self.problem.calibration)
+
+    def linearise(self, state: State) -> Linearised:
+        """Return every residual at the state."""
+        edges = self._edges.integrate(state.calibration)
+        i, j = self._turn_pairs[:, 0], self._turn_pairs[:, 1]
+        odometry = odometry_blocks(state.poses, state.calibration, self._pairs, edges)
+        return Linearised(
+            odometry,
+            closure_blocks(state.poses, self.problem.closures),
+            turn_blocks(state.poses, i, j, self._turns[:, 0], self._turns[:, 1]),
+            axis_blocks(state.poses, self._axis_pairs[:, 0], self._axis_pairs[:, 1], self._axis_sigmas),
+            state.calibration.vector() - self.problem.prior.vector(),
+            carried(odometry, state.poses, self.problem.anchor),
+        )
+
+    def error(self, at: Linearised, weights: FloatArray) -> float:
+        """Return the squared error with closure weights (M,)."""
+        return self._firm(at) + float(weights @ at.closures.chi2())
+
+    def truncated_error(self, at: Linearised, cutoff: float) -> float:
+        """Return the squared error in which a closure costs at most cutoff^2 times its weight."""
+        limit = cutoff**2 * self.problem.closures.weight
+        return self._firm(at) + float(np.minimum(at.closures.chi2(), limit).sum())
+
+    def _firm(self, at: Linearised) -> float:
+        prior = float(((at.prior / self._sigmas) ** 2).sum())
+        faded = _faded(at.turns, self._turn_cutoffs) + _faded(at.axes, self._axis_cutoff)
+        return float(at.odometry.chi2().sum()) + faded + prior
+
+    def system(self, at: Linearised, weights: FloatArray) -> LinearSystem:
+        """Return the linear system with closure weights (M,), in poses that the calibration carries along."""
+        heard = weights > WEIGHTLESS
+        closures = with_calibration(at.closures.among(heard), at.carried)
+        inside, across = [], []
+        for blocks, on_edge, cutoff in (
+            (at.turns, self._turn_on_edge, self._turn_cutoffs),
+            (at.axes, self._axis_on_edge, self._axis_cutoff),
+        ):
+            faded = with_calibration(blocks, at.carried).weighted(geman_mcclure(blocks.chi2(), cutoff))
+            inside.append(faded.among(on_edge))
+            across.append(faded.among(~on_edge))
+        system = LinearSystem(
+            len(self.problem.poses), self.problem.anchor, self._condensed(at.odometry, inside, [*across, closures])
+        )
+        system.add_calibration_prior(at.prior, self._sigmas)
+        for blocks in across:
+            system.add(blocks)
+        system.add(closures.weighted(weights[heard]))
+        return system
+
+    def _condensed(self, odometry: Blocks, inside: list[Blocks], across: list[Blocks]) -> Condensed | None:
+        """Return the chain without the nodes that nothing but their neighbours on it sees."""
+        if not len(self._pairs):
+            return None
+        seen = np.zeros(len(self.problem.poses), bool)
+        seen[self.problem.anchor] = True
+        for blocks in across:
+            seen[blocks.i] = seen[blocks.j] = True
+        return condense(self._order, odometry, inside, seen[self._order])
+
+    def step(self, state: State, at: Linearised, weights: FloatArray) -> tuple[State, Linearised, float]:
+        """Return the state after a Gauss-Newton step, halved while that is worse, and its largest move."""
+        own, calibration = self.system(at, weights).solve()
+        poses = own + at.carried @ calibration
+        before = self.error(at, weights)
+        longest = 1.0 / max(1.0, float((np.abs(calibration) / LARGEST_STEP).max()))
+        for halvings in range(5):
+            length = longest * 0.5**halvings
+            moved = state.stepped(poses, calibration, length)
+            there = self.linearise(moved)
+            if self.error(there, weights) <= before * (1 + 1e-9) + 1e-9:
+                return moved, there, float(np.abs(poses).max()) * length
+        return state, at, 0.0
+
+
+def _faded(blocks: Blocks, cutoff: float | FloatArray) -> float:
+    """Return the error of residuals that fade out (Geman-McClure) beyond a cutoff, one for all or one each (n,)."""
+    chi2, cutoff2 = blocks.chi2(), np.square(cutoff)
+    return float((chi2 * cutoff2 / (chi2 + cutoff2)).sum())
+
+
+def _pairs(pairs: list[tuple[int, int]]) -> IntArray:
+    return np.array(pairs, np.int64).reshape(-1, 2)

@@ -1,0 +1,168 @@
+"""What the back end is asked and what it answers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from topomap.core.arrays import FloatArray, IntArray
+from topomap.core.errors import TopomapError
+from topomap.core.geometry import Pose2
+from topomap.mapping.odometry.increments import Calibration, Increments
+
+UNKNOWN_HEADING = 1.0  # [rad^2] a heading variance above this says that the heading isn't known
+PRIOR_SIGMAS = (0.05, 0.01, 0.1)  # log rotation scale, curvature [rad/m], log distance scale
+
+
+@dataclass(frozen=True, slots=True)
+class OdometryEdge:
+    """Raw increments from node i to node j."""
+
+    i: int
+    j: int
+    increments: Increments
+
+
+@dataclass(frozen=True, slots=True)
+class ClosureEdge:
+    """A closure: `i_from_j` with covariance (3, 3) of x, y [m], heading [rad].
+
+    weight in (0, 1] scales its information.
+    """
+
+    i: int
+    j: int
+    relative: Pose2
+    covariance: FloatArray
+    weight: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class TurnEdge:
+    """A turn [rad] seen from node i to node j (visual compass), with its sigma [rad]."""
+
+    i: int
+    j: int
+    turn: float
+    sigma: float
+
+
+@dataclass(frozen=True, slots=True)
+class AxisEdge:
+    """Node i, on the way to j, looks along one of a building's axes (mod 90 degrees), with its sigma [rad].
+
+    An assumption about the building, not a measurement: whoever uses it says so.
+    """
+
+    i: int
+    j: int
+    sigma: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Closures:
+    """M closures in one piece: i, j (M,), relative (M, 3), covariance (M, 3, 3), weight (M,)."""
+
+    i: IntArray
+    j: IntArray
+    relative: FloatArray
+    covariance: FloatArray
+    weight: FloatArray
+
+    def __len__(self) -> int:
+        return len(self.i)
+
+    @staticmethod
+    def of(edges: Sequence[ClosureEdge]) -> Closures:
+        """Return the edges in one piece."""
+        return Closures(
+            np.array([e.i for e in edges], np.int64),
+            np.array([e.j for e in edges], np.int64),
+            np.array([e.relative.array() for e in edges]).reshape(-1, 3),
+            np.array([e.covariance for e in edges], float).reshape(-1, 3, 3),
+            np.array([e.weight for e in edges], float),
+        )
+
+    def __getitem__(self, part: NDArray[np.bool_] | IntArray | slice) -> Closures:
+        return Closures(self.i[part], self.j[part], self.relative[part], self.covariance[part], self.weight[part])
+
+
+def no_closures() -> Closures:
+    """Return an empty set."""
+    return Closures.of(())
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Problem:
+    """A pose graph with its odometry's systematic errors as unknowns.
+
+    poses (N, 3): the start, made with `calibration`; node ids are 0..N-1; odometry: in travel order, an edge
+    begins where the last one ended; prior, prior_sigmas (3,): mean and sigma of (log rotation scale,
+    curvature [rad/m], log distance scale); anchor: the node that is held.
+    Raises TopomapError for NaN, ids out of range, a broken chain or a missing anchor.
+    """
+
+    poses: FloatArray
+    odometry: tuple[OdometryEdge, ...]
+    closures: Closures = field(default_factory=no_closures)
+    turns: tuple[TurnEdge, ...] = ()
+    calibration: Calibration = field(default_factory=Calibration)
+    prior: Calibration = field(default_factory=Calibration)
+    prior_sigmas: tuple[float, float, float] = PRIOR_SIGMAS
+    anchor: int = 0
+    axes: tuple[AxisEdge, ...] = ()
+
+    def __post_init__(self) -> None:
+        if self.poses.ndim != 2 or self.poses.shape[1] != 3 or len(self.poses) == 0:
+            raise TopomapError(f"a pose graph needs poses (N, 3) with N >= 1, not {self.poses.shape}")
+        if not 0 <= self.anchor < len(self.poses):
+            raise TopomapError(f"the anchor {self.anchor} is none of the {len(self.poses)} nodes")
+        self._check_ids()
+        self._check_numbers()
+
+    def _check_ids(self) -> None:
+        pairs = [(e.i, e.j) for e in self.odometry] + [(t.i, t.j) for t in self.turns] + [(a.i, a.j) for a in self.axes]
+        ends = np.concatenate([np.array(pairs, np.int64).reshape(-1), self.closures.i, self.closures.j])
+        if ends.size and (ends.min() < 0 or ends.max() >= len(self.poses)):
+            raise TopomapError(f"an edge names a node outside 0..{len(self.poses) - 1}")
+        if any(i == j for i, j in pairs) or bool((self.closures.i == self.closures.j).any()):
+            raise TopomapError("an edge joins a node with itself")
+        for a, b in pairwise(self.odometry):
+            if a.j != b.i:
+                raise TopomapError(f"the odometry breaks between nodes {a.j} and {b.i}; edges follow the way travelled")
+
+    def _check_numbers(self) -> None:
+        increments = [e.increments for e in self.odometry]
+        named = {
+            "poses": [self.poses],
+            "odometry": [x.reshape(-1) for e in increments for x in (e.deltas, e.covariances)],
+            "closures": [self.closures.relative, self.closures.covariance, self.closures.weight],
+            "turn observations": [np.array([(t.turn, t.sigma) for t in self.turns], float)],
+            "calibration": [self.calibration.vector(), self.prior.vector(), np.array(self.prior_sigmas)],
+        }
+        for name, arrays in named.items():
+            if not bool(np.isfinite(np.concatenate([np.ravel(a) for a in arrays] or [np.zeros(0)])).all()):
+                raise TopomapError(f"the {name} of the pose graph hold NaN or infinite numbers")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Solution:
+    """What the back end found; refused (improved False) it holds the problem's own poses and calibration.
+
+    poses (N, 3); calibration_covariance (3, 3) of `Calibration.vector`; closure_weights (M,) in [0, 1], at
+    least 0.5 for a closure that is believed; error_before, error_after: truncated squared error of start and
+    result.
+    """
+
+    poses: FloatArray
+    calibration: Calibration
+    calibration_covariance: FloatArray
+    closure_weights: FloatArray
+    error_before: float
+    error_after: float
+    iterations: int
+    improved: bool

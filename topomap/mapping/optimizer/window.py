@@ -1,0 +1,75 @@
+"""A bounded solve between two full ones: the newest stretch alone, hung on what was solved before."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from topomap.core.arrays import FloatArray, IntArray
+from topomap.core.geometry import between, compose
+from topomap.mapping.odometry.increments import Calibration
+from topomap.mapping.optimizer.problem import UNKNOWN_HEADING, Closures, OdometryEdge, Problem, Solution, TurnEdge
+from topomap.mapping.optimizer.settings import BackendSettings
+from topomap.mapping.optimizer.solver import solve
+from topomap.mapping.uncertainty.odometry_chain import turned_by
+
+HELD = (1e-6, 1e-6, 1e-6)  # the calibration is left to full solves: heard again and again, a stretch would sway it
+
+
+class Recent(NamedTuple):
+    """What a bounded solve found: nodes (n,), which of the closures were heard (m,), and the solution for these."""
+
+    nodes: IntArray
+    heard: IntArray
+    solution: Solution
+
+
+def solve_recent(
+    poses: FloatArray,
+    odometry: Sequence[OdometryEdge],
+    closures: Closures,
+    turns: Sequence[TurnEdge],
+    calibration: Calibration,
+    settings: BackendSettings | None = None,
+) -> Recent:
+    """Solve the nodes of the newest odometry edges; the work doesn't grow with the map.
+
+    poses (N, 3) of the whole map: those of all other nodes stay, and the first of these nodes is held. Closures are
+    heard whose newer end is among these nodes, whether or not the older one is. Raises TopomapError.
+    """
+    nodes = np.array([odometry[0].i, *(edge.j for edge in odometry)], np.int64)
+    place = np.full(len(poses), -1)
+    place[nodes] = np.arange(len(nodes))
+    heard = np.flatnonzero(place[closures.j] > 0)
+    problem = Problem(
+        poses[nodes],
+        tuple(OdometryEdge(k, k + 1, edge.increments) for k, edge in enumerate(odometry)),
+        _hung(poses, int(nodes[0]), place, closures[heard]),
+        tuple(
+            TurnEdge(int(place[t.i]), int(place[t.j]), t.turn, t.sigma)
+            for t in turns
+            if place[t.i] >= 0 and place[t.j] >= 0
+        ),
+        calibration,
+        calibration,
+        HELD,
+    )
+    return Recent(nodes, heard, solve(problem, settings))
+
+
+def _hung(poses: FloatArray, anchor: int, place: IntArray, closures: Closures) -> Closures:
+    """Return the closures by place; one whose older end stays where it is begins at the anchor, which stays, too."""
+    outside = place[closures.i] < 0
+    old = poses[closures.i[outside]]
+    way = between(np.broadcast_to(poses[anchor], old.shape), old)
+    relative, covariance = closures.relative.copy(), closures.covariance.copy()
+    relative[outside] = compose(way, relative[outside])
+    known = covariance[outside]
+    turned = turned_by(way[:, 2], known)
+    blind = known[:, 2, 2] > UNKNOWN_HEADING
+    turned[blind] = known[blind]  # these are given in the map's axes already
+    covariance[outside] = turned
+    i = np.where(outside, 0, place[closures.i])
+    return Closures(i, place[closures.j], relative, covariance, closures.weight)

@@ -1,0 +1,83 @@
+"""The route as it grows: odometry since the last node, and new nodes where they are asked for."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from topomap.core.errors import DataError
+from topomap.core.geometry import Pose2
+from topomap.core.records import Motion
+from topomap.core.robot import MotionReading
+from topomap.mapping.graph import Node, Snapshot, TopoMap
+from topomap.mapping.odometry.increments import Increments, advance
+
+
+class Survey:
+    """Integrates odometry beyond the map's last node and appends or inserts nodes.
+
+    pose: corrected, in the map frame; raw: odometry as read, integrated from the start; turn: the last corrected turn
+    [rad]; travel: the raw odometer way so far [m].
+    """
+
+    def __init__(self, topo: TopoMap) -> None:
+        self.map = topo
+        self.pose = Pose2()
+        self.raw = Pose2()
+        self.turn = 0.0
+        self.travel = 0.0
+        self._stamps: list[int] = []
+        self._motions: list[Motion] = []
+
+    def advance(self, stamp_ns: int, reading: MotionReading) -> Motion:
+        """Take one increment as read; return it corrected. The first reading's increment leads nowhere.
+
+        Raises DataError for a stamp that isn't later than the one before and for an increment that isn't numbers.
+        """
+        self._check(stamp_ns, reading)
+        motion = Motion(reading.forward, reading.left, reading.turn, reading.covariance, reading.dt)
+        corrected = self.map.calibration.correct(motion)
+        self.turn = corrected.turn
+        if self.map.nodes:
+            self.raw, self.pose = advance(self.raw, motion), advance(self.pose, corrected)
+            self.travel += abs(motion.forward)
+            self._stamps.append(stamp_ns)
+            self._motions.append(motion)
+        return corrected
+
+    def node_at(self, stamp_ns: int, snapshot: Snapshot | None = None) -> int:
+        """Return the node at a stamp the robot has been at; make one if there is none (a snapshot: only now)."""
+        if not self.map.nodes:
+            return self.map.add(Node(stamp_ns, 0.0, snapshot), None)
+        if stamp_ns <= self.map.nodes[self.map.chain[-1]].stamp_ns:
+            return self.map.insert(stamp_ns)
+        increments = self._cut(stamp_ns)
+        travel = self.travel - sum(abs(m.forward) for m in self._motions)
+        return self.map.add(Node(stamp_ns, travel, snapshot), increments)
+
+    def restart(self) -> None:
+        """Continue from the last node as it stands now: after the map was moved."""
+        self.pose = self.map.pose(self.map.chain[-1])
+        for motion in self._motions:
+            self.pose = advance(self.pose, self.map.calibration.correct(motion))
+
+    def _check(self, stamp_ns: int, reading: MotionReading) -> None:
+        """Refuse what would only fail later, and elsewhere."""
+        last = self._last_stamp()
+        if last is not None and stamp_ns <= last:
+            raise DataError(f"the reading at {stamp_ns} ns isn't later than the one before, at {last} ns")
+        if reading.covariance.shape != (3, 3):
+            raise DataError(f"odometry at {stamp_ns} ns: the covariance is {reading.covariance.shape}, not (3, 3)")
+        numbers = (reading.forward, reading.left, reading.turn, *reading.covariance.flat)
+        if not np.isfinite(numbers).all():
+            raise DataError(f"odometry at {stamp_ns} ns: an increment or its covariance holds NaN or infinite numbers")
+
+    def _last_stamp(self) -> int | None:
+        if self._stamps:
+            return self._stamps[-1]
+        return self.map.nodes[self.map.chain[-1]].stamp_ns if self.map.nodes else None
+
+    def _cut(self, stamp_ns: int) -> Increments:
+        k = sum(stamp <= stamp_ns for stamp in self._stamps)
+        part = Increments.of(self._stamps[:k], self._motions[:k])
+        del self._stamps[:k], self._motions[:k]
+        return part

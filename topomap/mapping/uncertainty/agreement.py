@@ -1,0 +1,139 @@
+"""Agreement among closures: neighbours along the way that tell the same story about the relative position."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
+
+from topomap.core.arrays import BoolArray, FloatArray, IntArray
+from topomap.core.geometry import between, compose, wrap_all
+from topomap.mapping.uncertainty.odometry_chain import Chain, composed_covariance
+
+
+class SupportSettings(BaseModel):
+    """Which neighbouring closures count as agreeing."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    window: float = Field(default=8.0, gt=0, description="way within which both ends lie [m]")
+    tolerance: float = Field(default=0.75, gt=0, description="allowed disagreement in position [m]")
+    share: float = Field(default=0.1, ge=0, le=1, description="more of it per metre between them")
+    heading_deg: float = Field(default=15.0, gt=0, description="allowed disagreement in heading [degree]")
+
+
+class Claims(NamedTuple):
+    """M closures as arrays.
+
+    i, j (M,): positions in the chain; relative (M, 3): `i_from_j`; blind (M,): the heading isn't known; weight (M,).
+    """
+
+    i: IntArray
+    j: IntArray
+    relative: FloatArray
+    blind: BoolArray
+    weight: FloatArray
+
+
+def support(claims: Claims, poses: FloatArray, travelled: FloatArray, settings: SupportSettings) -> FloatArray:
+    """Return (M,) the summed weights of the other closures that agree with each.
+
+    poses (N, 3): odometry's, in chain order (only near pairs are compared, drift doesn't matter); travelled (N,):
+    way [m]. Two closures agree when going from i to i' and across ends where going across and from j to j' does; where
+    the heading isn't known, the robot may look the same way or the opposite one.
+    """
+    a, b = neighbours(claims, travelled, settings.window)
+    agree = _agreeing(claims, poses, a, b, settings)
+    total = np.zeros(len(claims.i))
+    np.add.at(total, a[agree], claims.weight[b[agree]])
+    np.add.at(total, b[agree], claims.weight[a[agree]])
+    return total
+
+
+def company(claims: Claims, travelled: FloatArray, window: float) -> FloatArray:
+    """Return (M,) the summed weights of all closures near each, whether they agree or not: how dense they are."""
+    a, b = neighbours(claims, travelled, window)
+    total = np.zeros(len(claims.i))
+    np.add.at(total, a, claims.weight[b])
+    np.add.at(total, b, claims.weight[a])
+    return total
+
+
+def loops(
+    relative: FloatArray, covariance: FloatArray, i: IntArray, j: IntArray, chain: Chain, a: IntArray, b: IntArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the loops through closures a and b (P,) as `loops_between` does, where only the chain joins their ends.
+
+    relative (M, 3) `i_from_j` with covariance (M, 3, 3); i, j (M,): chain positions.
+    """
+    return loops_between(
+        relative, covariance, (i, j), chain.poses, a, b, chain.covariance(i[a], i[b]), chain.covariance(j[a], j[b])
+    )
+
+
+def loops_between(
+    relative: FloatArray, covariance: FloatArray, ends: tuple[IntArray, IntArray], poses: FloatArray,
+    a: IntArray, b: IntArray, known_i: FloatArray, known_j: FloatArray,
+) -> tuple[FloatArray, FloatArray]:  # fmt: skip
+    """Return what the loops through closures a and b (P,) miss of closing (P, 3) and its covariance (P, 3, 3).
+
+    relative (M, 3) `i_from_j` with covariance (M, 3, 3); ends: i, j (M,), rows of poses (N, 3); known_i, known_j
+    (P, 3, 3): covariances of `ia_from_ib` and `ja_from_jb`.
+    """
+    i, j = ends
+    along_i = between(poses[i[a]], poses[i[b]])
+    along_j = between(poses[j[a]], poses[j[b]])
+    one, other = compose(relative[a], along_j), compose(along_i, relative[b])
+    first = composed_covariance(relative[a], covariance[a], along_j, known_j)
+    second = composed_covariance(along_i, known_i, relative[b], covariance[b])
+    gap = other - one
+    gap[:, 2] = wrap_all(gap[:, 2])
+    return gap, first + second
+
+
+def neighbours(claims: Claims, travelled: FloatArray, window: float) -> tuple[IntArray, IntArray]:
+    """Return the pairs a, b (P,) of closures with ends within the window [m] and not the same j."""
+    order = np.argsort(travelled[claims.j], kind="stable")
+    way_j, way_i = travelled[claims.j][order], travelled[claims.i][order]
+    last = np.searchsorted(way_j, way_j + window, side="right")
+    first, second = [], []
+    for k in range(len(order)):
+        near = np.flatnonzero(np.abs(way_i[k + 1 : last[k]] - way_i[k]) <= window) + k + 1
+        first.append(np.full(len(near), order[k]))
+        second.append(order[near])
+    if not first:
+        return np.zeros(0, np.int64), np.zeros(0, np.int64)
+    a, b = np.concatenate(first), np.concatenate(second)
+    differ = claims.j[a] != claims.j[b]
+    return a[differ], b[differ]
+
+
+def _agreeing(claims: Claims, poses: FloatArray, a: IntArray, b: IntArray, settings: SupportSettings) -> BoolArray:
+    along_i = between(poses[claims.i[a]], poses[claims.i[b]])
+    along_j = between(poses[claims.j[a]], poses[claims.j[b]])
+    longest = np.maximum(np.hypot(along_i[:, 0], along_i[:, 1]), np.hypot(along_j[:, 0], along_j[:, 1]))
+    allowed = settings.tolerance + settings.share * longest
+    blind = claims.blind[a] | claims.blind[b]
+    known = _closes(claims.relative[a], claims.relative[b], along_i, along_j, allowed, settings)
+    guessed = np.zeros(len(a), bool)
+    for heading in (0.0, math.pi):
+        first, second = claims.relative[a].copy(), claims.relative[b].copy()
+        first[:, 2] = second[:, 2] = heading
+        guessed |= _closes(first, second, along_i, along_j, allowed, settings)
+    return np.where(blind, guessed, known)
+
+
+def _closes(
+    first: FloatArray,
+    second: FloatArray,
+    along_i: FloatArray,
+    along_j: FloatArray,
+    allowed: FloatArray,
+    settings: SupportSettings,
+) -> BoolArray:
+    one, other = compose(first, along_j), compose(along_i, second)
+    gap = np.hypot(one[:, 0] - other[:, 0], one[:, 1] - other[:, 1])
+    turned = np.abs(wrap_all(one[:, 2] - other[:, 2]))
+    return np.asarray((gap <= allowed) & (turned <= math.radians(settings.heading_deg)))

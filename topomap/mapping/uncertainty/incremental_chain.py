@@ -1,0 +1,68 @@
+"""The map's chain, summed up anew only from where it changed since it was last asked for."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from topomap.core.arrays import FloatArray, IntArray
+from topomap.mapping.graph import TopoMap
+from topomap.mapping.odometry.increments import Calibration, EdgeIncrements
+from topomap.mapping.optimizer import TurnEdge
+from topomap.mapping.uncertainty.odometry_chain import Chain
+
+
+class GrowingChain:
+    """Follows a map that grows at its end and is moved now and then, with the turns measured between its snapshots.
+
+    turns: grows, too; each ends at a snapshot and begins at the one before it.
+    """
+
+    def __init__(self, topo: TopoMap, turns: list[TurnEdge]) -> None:
+        self._map = topo
+        self._turns = turns
+        self._variances: dict[int, float] = {}  # of the turn that ends at a node [rad^2]
+        self._heard = 0
+        self._nodes: IntArray = np.zeros(0, np.int64)
+        self._calibration = Calibration()
+        self._chain: Chain | None = None
+
+    def current(self, covariance: FloatArray) -> Chain:
+        """Return the chain as the map stands; covariance (3, 3): of the calibration."""
+        self._variances.update((turn.j, turn.sigma**2) for turn in self._turns[self._heard :])
+        self._heard = len(self._turns)
+        nodes = np.array(self._map.chain, np.int64)
+        poses = self._map.poses[nodes]
+        same = self._unchanged(nodes, poses)
+        new = [increments for _, _, increments in self._map.edges_from(max(same - 1, 0))]
+        edges = EdgeIncrements.of(new).integrate(self._map.calibration)
+        head = None if self._chain is None or not same else self._chain.head(same)
+        variances = self._turn_variances(nodes[max(same, 1) :], edges.covariance[:, 2, 2])
+        self._chain = Chain.of(poses, edges, self._map.calibration, covariance, head, variances)
+        self._nodes, self._calibration = nodes, self._map.calibration
+        return self._chain
+
+    def _unchanged(self, nodes: IntArray, poses: FloatArray) -> int:
+        """Return how many nodes at the chain's start are as they were, the last of them a snapshot."""
+        if self._chain is None or self._calibration != self._map.calibration:
+            return 0
+        known = min(len(nodes), len(self._nodes))
+        differs = (nodes[:known] != self._nodes[:known]) | (poses[:known] != self._chain.poses[:known]).any(axis=1)
+        same = int(np.argmax(differs)) if differs.any() else known
+        while same and self._map.nodes[int(nodes[same - 1])].snapshot is None:
+            same -= 1
+        return same
+
+    def _turn_variances(self, ends: IntArray, noise: FloatArray) -> FloatArray:
+        """Return (E,) the variances of the turns measured on edges that end at nodes (E,), infinite for none.
+
+        A turn between two snapshots is shared among the edges between them by odometry's noise (E,) on them.
+        """
+        variances = np.full(len(ends), np.inf)
+        first = 0
+        for place, node in enumerate(ends.tolist()):
+            if self._map.nodes[node].snapshot is not None:
+                span = slice(first, place + 1)
+                variance = self._variances.get(node, np.inf)
+                variances[span] = np.maximum(variance * noise[span] / max(float(noise[span].sum()), 1e-18), 1e-12)
+                first = place + 1
+        return variances

@@ -1,0 +1,105 @@
+"""Covariances between places when the way may lead over a closure, for many places or many closures at once.
+
+Errors are summed in the map frame about its origin (`Chain`), where those of a way's parts simply add; a way over a
+closure is the chain to one end, the closure, and the chain from its other end, taken as independent.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from topomap.core.arrays import FloatArray, IntArray
+
+
+@njit(cache=True)
+def _add_way(
+    total: FloatArray, random: FloatArray, systematic: FloatArray, calibration: FloatArray, i: int, j: int
+) -> None:
+    """Add the errors (3, 3) of the chain between places i and j."""
+    low, high = min(i, j), max(i, j)
+    for p in range(3):
+        for q in range(3):
+            total[p, q] += random[high, p, q] - random[low, p, q]
+            for k in range(3):
+                by_k = systematic[high, p, k] - systematic[low, p, k]
+                for m in range(3):
+                    total[p, q] += by_k * calibration[k, m] * (systematic[high, q, m] - systematic[low, q, m])
+
+
+@njit(cache=True)
+def _at(total: FloatArray, x: float, y: float) -> tuple[float, float, float]:
+    """Return the variances in x and y and their covariance at a point, of errors about the origin."""
+    xt, yt, tt = total[0, 2], total[1, 2], total[2, 2]
+    xx = total[0, 0] - 2 * y * xt + y * y * tt
+    yy = total[1, 1] + 2 * x * yt + x * x * tt
+    xy = total[0, 1] + x * xt - y * yt - x * y * tt
+    return xx, yy, xy
+
+
+@njit(cache=True)
+def best_way(
+    random: FloatArray, systematic: FloatArray, calibration: FloatArray, i: int, j: int, x: float, y: float,
+    ends: IntArray, closures: FloatArray,
+) -> FloatArray:  # fmt: skip
+    """Return the errors (3, 3) between chain places i and j by the way that knows j's position x, y best.
+
+    ends (M, 2): chain places joined by closures (M, 3, 3), these about the origin.
+    """
+    best = np.zeros((3, 3))
+    _add_way(best, random, systematic, calibration, i, j)
+    xx, yy, _ = _at(best, x, y)
+    least = xx + yy
+    total = np.zeros((3, 3))
+    for m in range(len(ends)):
+        for turn in range(2):
+            total[:] = closures[m]
+            _add_way(total, random, systematic, calibration, i, ends[m, turn])
+            _add_way(total, random, systematic, calibration, ends[m, 1 - turn], j)
+            xx, yy, _ = _at(total, x, y)
+            if xx + yy < least:
+                least = xx + yy
+                best[:] = total
+    return best
+
+
+@njit(cache=True)
+def seen_from_all(
+    random: FloatArray, systematic: FloatArray, calibration: FloatArray, j: int, x: float, y: float,
+    ends: IntArray, closures: FloatArray, spare: float,
+) -> FloatArray:  # fmt: skip
+    """Return (N, 2, 2) informations of the position x, y of chain place j, seen from every place.
+
+    The errors are those of `best_way`, a closure being used from its first end only; spare [m^2] is added to them.
+    """
+    result = np.empty((len(random), 2, 2))
+    rest = closures.copy()
+    for m in range(len(ends)):
+        _add_way(rest[m], random, systematic, calibration, ends[m, 1], j)
+    total = np.zeros((3, 3))
+    for i in range(len(random)):
+        total[:] = 0.0
+        _add_way(total, random, systematic, calibration, i, j)
+        xx, yy, xy = _at(total, x, y)
+        for m in range(len(ends)):
+            total[:] = rest[m]
+            _add_way(total, random, systematic, calibration, i, ends[m, 0])
+            ax, ay, axy = _at(total, x, y)
+            if ax + ay < xx + yy:
+                xx, yy, xy = ax, ay, axy
+        xx, yy = xx + spare, yy + spare
+        area = xx * yy - xy * xy
+        result[i, 0, 0], result[i, 1, 1] = yy / area, xx / area
+        result[i, 0, 1] = result[i, 1, 0] = -xy / area
+    return result
+
+
+def turned(errors: FloatArray, heading: float, x: float, y: float) -> FloatArray:
+    """Return errors (3, 3) about the origin as those at x, y in a frame of that heading."""
+    c, s = math.cos(heading), math.sin(heading)
+    back = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]) @ np.array(
+        [[1.0, 0.0, -y], [0.0, 1.0, x], [0.0, 0.0, 1.0]]
+    )
+    return np.asarray(back @ errors @ back.T)

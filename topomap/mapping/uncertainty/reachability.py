@@ -1,0 +1,88 @@
+"""How well the map knows one place from another, and which older places the robot can be at."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.special import chdtri
+
+from topomap.core.arrays import FloatArray, IntArray
+from topomap.core.geometry import Pose2
+from topomap.mapping.graph import TopoMap
+from topomap.mapping.optimisation import Correction
+from topomap.mapping.optimizer.problem import ClosureEdge
+from topomap.mapping.uncertainty.incremental_chain import GrowingChain
+from topomap.mapping.uncertainty.odometry_chain import Chain, carried_to_origin
+from topomap.mapping.uncertainty.path_covariance import best_way, seen_from_all, turned
+
+LATEST = 3  # closures over which a shorter way is looked for
+
+
+class Ways:
+    """Covariances along the travelled chain, short cuts over closures included; follows the map as it changes."""
+
+    def __init__(self, topo: TopoMap, correction: Correction, sigma: float, probability: float) -> None:
+        """sigma [m]: how far apart the two spots of a true closure may lie; probability of a true one to pass."""
+        self._map = topo
+        self._correction = correction
+        self._growing = GrowingChain(topo, correction.neighbours.turns)
+        self._variance = sigma**2
+        self._limit = float(chdtri(2, 1 - probability))
+        self._made: tuple[int, int, int] | None = None
+        self._chain: Chain | None = None
+        self._place: IntArray = np.zeros(0, np.int64)
+        self._informations: FloatArray = np.zeros((0, 2, 2))
+
+    def covariance(self, match: int, query: int) -> FloatArray:
+        """Return the covariance (3, 3) of `match_from_query` along the route, across a closure where that is better."""
+        chain = self._current()
+        x, y, _ = self._map.poses[query].tolist()
+        ends, closures = self._carried(self._map.closures)
+        i, j = int(self._place[match]), int(self._place[query])
+        errors = best_way(chain.random, chain.systematic, chain.calibration, i, j, x, y, ends, closures)
+        return turned(errors, self._map.pose(match).heading, x, y)
+
+    def reach(self, node: int) -> float:
+        """Return how far from where the map has it the robot may be, seen from an older node [m]."""
+        self._current()
+        information = self._informations[self._place[node]]
+        variance = 1.0 / float(np.linalg.eigvalsh(information)[0]) - self._variance
+        return math.sqrt(self._limit * max(variance, 0.0))
+
+    def within_reach(self, pose: Pose2, nodes: IntArray) -> IntArray:
+        """Return those of some older nodes (n,) at which odometry allows the robot to be, believed at `pose`."""
+        if not len(nodes):
+            return nodes
+        self._current()
+        away = self._map.poses[nodes, :2] - np.array([pose.x, pose.y])
+        chi2 = np.einsum("ni,nij,nj->n", away, self._informations[self._place[nodes]], away)
+        possible: IntArray = nodes[chi2 <= self._limit]
+        return possible
+
+    def _current(self) -> Chain:
+        state = (len(self._map.nodes), len(self._map.closures), self._correction.solves)
+        if self._made != state or self._chain is None:
+            self._made = state
+            self._chain = self._growing.current(self._correction.covariance)
+            self._place = np.empty(len(self._map.chain), np.int64)
+            self._place[self._map.chain] = np.arange(len(self._map.chain))
+            self._informations = self._seen_from_all(self._chain)
+        return self._chain
+
+    def _seen_from_all(self, chain: Chain) -> FloatArray:
+        """Return (N, 2, 2) informations of the chain's end, seen from every place of it, in the map frame."""
+        x, y, _ = chain.poses[-1].tolist()
+        ends, closures = self._carried(self._map.closures[-LATEST:])
+        last = len(chain.poses) - 1
+        return np.asarray(
+            seen_from_all(chain.random, chain.systematic, chain.calibration, last, x, y, ends, closures, self._variance)
+        )
+
+    def _carried(self, closures: Sequence[ClosureEdge]) -> tuple[IntArray, FloatArray]:
+        """Return the chain places (M, 2) that closures join, and their covariances (M, 3, 3) about the origin."""
+        ends = np.array([(c.i, c.j) for c in closures], np.int64).reshape(-1, 2)
+        carry = carried_to_origin(self._map.poses[ends[:, 0]], self._map.poses[ends[:, 1]])
+        covariances = np.array([c.covariance for c in closures]).reshape(-1, 3, 3)
+        return self._place[ends], carry @ covariances @ carry.transpose(0, 2, 1)

@@ -1,0 +1,200 @@
+"""The one translator between the stack's records and the log's."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from logs import records as log
+from logs import topics
+from logs.recorder import Recorder
+from topomap.core.arrays import FloatArray, IntArray
+from topomap.core.geometry import Pose2
+from topomap.core.records import CalibrationState, Decision, MapChange, StepRecord, Travel, Verdict
+from topomap.core.robot import Reading, Truth, TruthSource
+from topomap.recording import encode
+
+Nodes = Callable[[], list[tuple[int, Pose2, bool]]]
+
+
+@dataclass(frozen=True)
+class FinalMap:
+    """The finished map for the log, N steps.
+
+    stamps_ns (N,); poses (N, 3) the trajectory in the map frame; nodes (id, stamp [ns], pose, snapshot); edges
+    (a, b, kind); claimed: the robot said it arrived, None when it wasn't sent anywhere.
+    """
+
+    stamps_ns: IntArray
+    poses: FloatArray
+    nodes: tuple[tuple[int, int, Pose2, bool], ...]
+    edges: tuple[tuple[int, int, str], ...]
+    calibration: CalibrationState | None
+    graph_hash: str
+    steps_per_s: float | None = None
+    claimed: bool | None = None
+    goal_node: int | None = None
+
+
+class RunRecorder:
+    """Writes every step of a run into a log.
+
+    nodes: returns the map's (id, pose, snapshot) as they are now; truth: asked at each step whose truth isn't
+    given.
+    """
+
+    def __init__(self, recorder: Recorder, nodes: Nodes, truth: TruthSource | None = None) -> None:
+        self._recorder = recorder
+        self._source = truth
+        self._nodes = nodes
+        self._closures: dict[tuple[int, int], bool] = {}
+        self._said: tuple[str, str, bool] = ("", "", False)
+        self._calibration: CalibrationState | None = None
+        self._start: log.Pose | None = None
+        self._map_stale = False
+        self._map_age = self._map_size = 0
+        self._stamp = 0
+
+    def observe(self, reading: Reading, record: StepRecord, truth: Truth | None = None) -> None:
+        """Write one step; raises LogError when the log can't be written."""
+        self._stamp = reading.stamp_ns
+        self._write_reading(reading, truth or (self._source.truth() if self._source else None))
+        self._write_poses(record)
+        self._write_change(record.change, record.travel)
+        self._write_mission(record)
+        self._write_timings(record.timings)
+        self._write_text(reading, record)
+        self._write_map(record.change)
+
+    def finish(self, final: FinalMap) -> None:
+        """Write the finished map and its trajectory; raises LogError when the log can't be written."""
+        if self._map_stale:
+            self._send_map(self._nodes())
+        self._write(topics.FINAL, _final(final))
+        if final.steps_per_s is not None:
+            self._write(topics.PERFORMANCE, log.Performance(float(final.steps_per_s)))
+
+    def attach(self, name: str, media_type: str, data: bytes) -> None:
+        """Attach a file, such as the finished map; raises LogError when the log can't be written."""
+        self._recorder.attach(name, media_type, data)
+
+    def close(self) -> None:
+        """Close the log; does nothing the second time."""
+        self._recorder.close()
+
+    def _write(self, topic: str, record: object) -> None:
+        self._recorder.write(self._stamp, topic, record)
+
+    def _write_reading(self, reading: Reading, truth: Truth | None) -> None:
+        self._write(topics.PANORAMA, log.Image(reading.encoded))
+        if reading.ranges is not None:
+            self._write(topics.RANGES, log.Scan(reading.ranges))
+            self._write(topics.POINTS, encode.points(reading))
+        if truth is not None:
+            pose = log.Pose(float(truth.x), float(truth.y), float(truth.heading))
+            stored = log.Truth(truth.stamp_ns, pose.x, pose.y, pose.heading, bool(truth.contact))
+            self._write(topics.TRUTH, stored)
+            self._write(topics.TRUE_POSE, log.FramedPose("world", pose))
+            self._start = self._start or pose
+        self._write(topics.ODOMETRY, encode.odometry(reading))
+
+    def _write_poses(self, record: StepRecord) -> None:
+        where, odom = record.where, record.dead_reckoning
+        map_from_odom = where.pose @ odom.inverse()
+        pose, dead = encode.pose(where.pose), encode.pose(odom)
+        frames: tuple[log.Transform, ...] = (
+            log.Transform("map", "odom", encode.pose(map_from_odom)),
+            log.Transform("odom", "base_link", dead),
+        )
+        if self._start is not None:
+            # the map frame starts at the first pose: so viewers can lay the truth over the map
+            frames = (log.Transform("world", "map", self._start), *frames)
+        self._write(topics.ESTIMATED_POSE, log.FramedPose("map", pose))
+        self._write(topics.DEAD_RECKONING_POSE, log.FramedPose("map", dead))
+        self._write(topics.TRANSFORMS, log.Transforms(frames))
+        self._write(topics.BELIEF, log.Belief(dead, pose, where.node, float(where.difference), float(where.lost)))
+
+    def _write_change(self, change: MapChange, travel: Travel) -> None:
+        self._write(topics.DIFFERENCE, encode.difference(change, travel))
+        for node in change.added:
+            self._write(topics.NODE, encode.node(node))
+        for decision in change.decisions:
+            self._write(topics.CLOSURES, encode.closure(decision))
+        if change.calibration not in (None, self._calibration):
+            self._calibration = change.calibration
+            self._write(topics.CALIBRATION, encode.calibration(change.calibration))
+
+    def _write_mission(self, record: StepRecord) -> None:
+        goal, travel, command = record.goal, record.travel, record.command
+        mission = log.Mission(
+            goal.phase.value, goal.node, travel.phase.value, travel.milestone, travel.legs_left, travel.note
+        )
+        self._write(topics.MISSION, mission)
+        self._write(topics.COMMAND, log.Command(float(command.forward), float(command.turn)))
+        if travel.home is not None:
+            self._write(topics.HOME_VECTOR, encode.home_vector(travel))
+
+    def _write_timings(self, timings: Mapping[str, float]) -> None:
+        if timings:
+            self._write(topics.TIMINGS, log.Timings(encode.scores(timings)))
+
+    def _write_text(self, reading: Reading, record: StepRecord) -> None:
+        for node in record.change.added:
+            self._say(log.Level.INFO, "map", f"node {node.node}: {node.reason}")
+        for decision in record.change.decisions:
+            self._say(encode.level(decision.verdict), "closure", encode.sentence(decision))
+        phase, note, contact = self._said
+        travel = record.travel
+        if travel.phase.value != phase:
+            self._say(log.Level.INFO, "travel", f"{phase or 'start'} -> {travel.phase.value}")
+        if travel.note and travel.note != note:
+            self._say(log.Level.INFO, "travel", travel.note)
+        if reading.contact and not contact:
+            self._say(log.Level.WARNING, "robot", "contact")
+        self._said = travel.phase.value, travel.note, reading.contact
+
+    def _say(self, level: log.Level, name: str, message: str) -> None:
+        self._write(topics.TEXT, log.Text(level, name, message))
+
+    def _write_map(self, change: MapChange) -> None:
+        for decision in change.decisions:
+            self._note_closure(decision)
+        self._map_stale = self._map_stale or bool(change.added) or change.solved
+        self._map_age += 1
+        # a map of thousands of nodes at every change would outgrow the panoramas
+        if self._map_stale and self._map_age >= self._map_size // 10:
+            self._send_map(self._nodes())
+
+    def _note_closure(self, decision: Decision) -> None:
+        candidate = decision.candidate
+        if candidate.query is not None and decision.verdict is not Verdict.PENDING:
+            pair = (candidate.match, candidate.query)
+            self._closures[pair] = decision.verdict is Verdict.ACCEPTED
+
+    def _send_map(self, nodes: list[tuple[int, Pose2, bool]]) -> None:
+        poses = np.array([pose.array() for _, pose, _ in nodes], dtype=np.float64).reshape(-1, 3)
+        rows = {id: row for row, (id, _, _) in enumerate(nodes)}
+        pairs = [pair for pair, accepted in self._closures.items() if accepted and rows.keys() >= set(pair)]
+        closures = np.array([[rows[a], rows[b]] for a, b in pairs], dtype=np.int64).reshape(-1, 2)
+        steps = np.arange(max(len(nodes) - 1, 0), dtype=np.int64)
+        snapshots = np.array([snapshot for _, _, snapshot in nodes], dtype=np.bool_)
+        graph = log.Graph(poses, snapshots, np.stack([steps, steps + 1], axis=1), closures)
+        self._write(topics.NODES, log.NodePoses(poses))
+        self._write(topics.GRAPH, graph)
+        self._map_stale, self._map_age, self._map_size = False, 0, len(nodes)
+
+
+def _final(final: FinalMap) -> log.Final:
+    stamps: list[int] = np.asarray(final.stamps_ns).tolist()
+    return log.Final(
+        stamps_ns=tuple(stamps),
+        poses=encode.row(final.poses),
+        nodes=tuple(encode.final_node(*node) for node in final.nodes),
+        edges=tuple(log.Edge(int(a), int(b), kind) for a, b, kind in final.edges),
+        calibration=None if final.calibration is None else encode.calibration(final.calibration),
+        graph_hash=final.graph_hash,
+        claimed=final.claimed,
+        goal_node=final.goal_node,
+    )

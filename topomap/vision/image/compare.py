@@ -1,0 +1,153 @@
+"""How different two views are: small z-normalised pictures of a panorama and their differences.
+
+The scale of every `rms` here: 0 for the same view, sqrt(2) = 1.4 for unrelated ones.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from topomap.core.arrays import Float32Array
+from topomap.core.errors import ShapeError
+from topomap.core.geometry import TAU, wrap_all
+from topomap.core.panorama import Panorama
+from topomap.vision.matching.kernels import spectra_products
+
+Complex64Array = NDArray[np.complex64]
+BLANK = 1e-3
+"""Standard deviation in grey values below which a picture holds nothing; it is then all zeros."""
+
+
+@dataclass(frozen=True, slots=True)
+class SignatureSpec:
+    """The recipe of a signature: columns, rows [pixels], blur (sigma) [signature pixels], colour or grey."""
+
+    columns: int = 90
+    rows: int = 10
+    blur: float = 1.0
+    colour: bool = False
+
+
+PLACE = SignatureSpec()
+ARRIVAL = SignatureSpec(columns=180, rows=25)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Signature:
+    """A small view: pixels (R, C) float32 of mean 0 and variance 1 (colour: the channels stacked as rows;
+    blank: zeros) and their spectrum (R, C//2 + 1) complex64 along the columns.
+    """
+
+    pixels: Float32Array
+    spectrum: Complex64Array
+
+
+def normalised(pixels: Float32Array) -> Float32Array:
+    """Return pixels of any shape with mean 0 and variance 1, or zeros where there is nothing to see."""
+    deviation = float(pixels.std(dtype=np.float64))
+    if deviation < BLANK:
+        return np.zeros_like(pixels)
+    return ((pixels - np.float32(pixels.mean(dtype=np.float64))) / np.float32(deviation)).astype(np.float32)
+
+
+def shrunk(panorama: Panorama, columns: int, rows: int, blur: float = 0.0, colour: bool = False) -> Float32Array:
+    """Return the view at (rows, columns[, 3]) float32 grey values, area-averaged, blurred around the seam.
+
+    Output column i is centred on input column (i + 0.5) W/columns - 0.5. A smaller panorama keeps its size.
+    """
+    picture = panorama.image if colour else cv2.cvtColor(panorama.image, cv2.COLOR_RGB2GRAY)
+    size = (min(columns, panorama.rig.width), min(rows, panorama.rig.height))
+    small = cv2.resize(picture.astype(np.float32), size, interpolation=cv2.INTER_AREA)
+    if blur <= 0.0:
+        return np.asarray(small, np.float32)
+    pad = min(int(np.ceil(4 * blur)), size[0])
+    wrapped = cv2.copyMakeBorder(small, 0, 0, pad, pad, cv2.BORDER_WRAP)
+    blurred = cv2.GaussianBlur(wrapped, (0, 0), blur, borderType=cv2.BORDER_REPLICATE)
+    return np.ascontiguousarray(blurred[:, pad : pad + size[0]], np.float32)
+
+
+def signature(panorama: Panorama, spec: SignatureSpec = PLACE) -> Signature:
+    """Return the panorama's signature, computed once per panorama and recipe."""
+    return panorama.derived(spec, lambda p: _signature(p, spec))
+
+
+def _signature(panorama: Panorama, spec: SignatureSpec) -> Signature:
+    small = shrunk(panorama, spec.columns, spec.rows, spec.blur, spec.colour)
+    if spec.colour:
+        small = np.concatenate([small[:, :, c] for c in range(3)])
+    pixels = normalised(small)
+    return Signature(pixels, np.fft.rfft(pixels, axis=1).astype(np.complex64))
+
+
+def rms(a: Signature, b: Signature) -> float:
+    """Return the root mean square difference of two aligned signatures. Raises ShapeError."""
+    return float(np.sqrt(np.mean(np.square(_difference(a, b)), dtype=np.float64)))
+
+
+def mean_abs(a: Signature, b: Signature) -> float:
+    """Return the mean absolute difference of two aligned signatures. Raises ShapeError."""
+    return float(np.mean(np.abs(_difference(a, b)), dtype=np.float64))
+
+
+def _difference(a: Signature, b: Signature) -> Float32Array:
+    if a.pixels.shape != b.pixels.shape:
+        raise ShapeError(f"signatures differ in shape: {a.pixels.shape} and {b.pixels.shape}")
+    return a.pixels - b.pixels
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RotationDifferences:
+    """For each of N stored views: difference (N,), the rms minimised over rotation, and rotation (N,) [rad],
+    as in `Alignment`: the current heading minus the stored one.
+    """
+
+    difference: Float32Array
+    rotation: NDArray[np.float64]
+
+
+def rotation_difference(current: Signature, stored: Signature) -> tuple[float, float]:
+    """Return the rotation-minimised rms of two signatures and the rotation [rad]. Raises ShapeError."""
+    found = rotation_differences(current, stored.spectrum[np.newaxis])
+    return float(found.difference[0]), float(found.rotation[0])
+
+
+def rotation_differences(current: Signature, spectra: Complex64Array) -> RotationDifferences:
+    """Compare with N stored spectra (N, R, C//2 + 1) at every rotation at once, to a fraction of a column.
+
+    Raises ShapeError.
+    """
+    if spectra.shape[1:] != current.spectrum.shape:
+        raise ShapeError(f"stored spectra are {spectra.shape[1:]}, the signature's is {current.spectrum.shape}")
+    squares = squared_differences(current, spectra)
+    best = squares.argmin(axis=1)
+    rows, columns = np.arange(len(best)), squares.shape[1]
+    below, here, above = (squares[rows, (best + step) % columns] for step in (-1, 0, 1))
+    offset, low = parabola(below, here, above)
+    rotation = wrap_all((best + offset) * (TAU / columns))
+    return RotationDifferences(np.sqrt(np.maximum(low, 0.0)).astype(np.float32), rotation)
+
+
+def squared_differences(current: Signature, spectra: Complex64Array) -> NDArray[np.float64]:
+    """Return the mean squared difference (N, C) of stored views to the current one rolled by 0, 1, .. C-1
+    columns.
+    """
+    rows, columns = current.pixels.shape
+    products, powers = spectra_products(spectra, np.conj(current.spectrum), columns)
+    own = float(np.square(current.pixels, dtype=np.float64).mean())
+    correlation = np.fft.irfft(products, n=columns, axis=1)
+    result: NDArray[np.float64] = powers[:, np.newaxis] + own - (2.0 / (rows * columns)) * correlation
+    return result
+
+
+def parabola(
+    below: NDArray[np.float64], here: NDArray[np.float64], above: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the offset (N,) in [-0.5, 0.5] and value (N,) of the minimum through three neighbours."""
+    bend = below - 2.0 * here + above
+    safe = np.where(bend > 1e-12, bend, np.inf)
+    offset = np.clip(0.5 * (below - above) / safe, -0.5, 0.5)
+    return offset, here - 0.25 * (below - above) * offset
