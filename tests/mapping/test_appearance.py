@@ -9,7 +9,7 @@ import pytest
 
 from topomap.core.panorama import Panorama
 from topomap.core.records import Alignment, PlaceMatch
-from topomap.mapping.closures.appearance import Outcome, Verification, VerificationSettings
+from topomap.mapping.closures.appearance import AppearanceSettings, AppearanceTest, Outcome
 
 
 class Costs:
@@ -27,10 +27,10 @@ class Costs:
 def judge(costs: dict[int, float], places: list[int], rivals: list[int]) -> tuple[Outcome, list[int]]:
     """Nodes stand 1 m apart in the order of their numbers; an image is its node's number."""
     aligner = Costs(costs)
-    verification = Verification(VerificationSettings(cost=0.8, ratio=0.9, rival_distance=1.5), aligner)
+    appearance = AppearanceTest(AppearanceSettings(cost=0.8, ratio=0.9, rival_distance=1.5), aligner)
     matches = [[PlaceMatch(node, 0.3, 0.0) for node in some] for some in (places, rivals)]
     view = cast(Panorama, np.float64(0))
-    found = verification.judge(
+    found = appearance.judge(
         view, *matches, lambda node: cast(Panorama, np.float64(node)), lambda a, b: float(abs(a - b))
     )
     return found, aligner.asked

@@ -61,7 +61,7 @@ def test_the_first_round_closes_nothing_and_the_second_closes_true(
 
 def test_the_calibration_is_found(second_round: tuple[Mapper, list[StepRecord], np.ndarray]) -> None:
     mapper, _, _ = second_round
-    state = mapper.correction.state
+    state = mapper.optimisation.state
     assert state.rotation_scale.observed
     assert state.distance_scale.observed
     assert abs(state.distance_scale.value - 0.95) < 0.03
@@ -75,8 +75,8 @@ def test_the_accumulated_rule_is_a_baseline_that_can_be_chosen() -> None:
 
 
 def test_without_ranges_the_ground_line_shows_the_distance_scale_less_exactly() -> None:
-    seen = drive(120, "sim.laser.dropout=1.0")[0].correction.state.distance_scale
-    measured = drive(120)[0].correction.state.distance_scale
+    seen = drive(120, "sim.laser.dropout=1.0")[0].optimisation.state.distance_scale
+    measured = drive(120)[0].optimisation.state.distance_scale
     assert seen.observed
     assert abs(seen.value - 0.95) < min(0.05, 3 * seen.sigma)
     assert seen.sigma >= 0.015
@@ -85,8 +85,8 @@ def test_without_ranges_the_ground_line_shows_the_distance_scale_less_exactly() 
 
 def test_without_ranges_and_floor_the_distance_scale_is_unobserved() -> None:
     mapper, records, _ = drive(60, "sim.laser.max_range=0.01", "sim.camera.horizon_row=97")
-    assert not mapper.correction.state.distance_scale.observed
-    assert mapper.correction.state.distance_scale.value == pytest.approx(1.0)
+    assert not mapper.optimisation.state.distance_scale.observed
+    assert mapper.optimisation.state.distance_scale.value == pytest.approx(1.0)
     assert np.isfinite([r.where.pose.array() for r in records]).all()
 
 

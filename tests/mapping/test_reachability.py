@@ -11,7 +11,7 @@ from topomap.core.geometry import between
 from topomap.mapping.graph import Node, TopoMap
 from topomap.mapping.odometry.increments import Calibration, EdgeIncrements
 from topomap.mapping.optimizer import TurnEdge
-from topomap.mapping.uncertainty.incremental_chain import GrowingChain
+from topomap.mapping.uncertainty.incremental_chain import IncrementalChain
 from topomap.mapping.uncertainty.odometry_chain import Chain, carried_to_origin, composed_covariance
 from topomap.mapping.uncertainty.path_covariance import best_way, seen_from_all, turned
 
@@ -74,7 +74,7 @@ def test_the_growing_chain_is_the_whole_one_after_every_change() -> None:
     problem = ring(3, nodes=30, length=30, closures=0).problem
     topo, turns = TopoMap(), []
     last = topo.add(Node(0, 0.0, snapshot(0)), None)
-    growing = GrowingChain(topo, turns)
+    growing = IncrementalChain(topo, turns)
     for k, edge in enumerate(problem.odometry):
         new = topo.add(Node(int(edge.increments.stamps_ns[-1]), 0.0, snapshot(k) if k % 4 else None), edge.increments)
         if k % 4:
@@ -88,7 +88,7 @@ def test_the_growing_chain_is_the_whole_one_after_every_change() -> None:
             topo.move(moved, topo.calibration)
         if k == 25:
             topo.move(topo.poses.copy(), Calibration(1.02, 0.001, 0.97))
-        found, whole = growing.current(UNSURE), GrowingChain(topo, turns).current(UNSURE)
+        found, whole = growing.current(UNSURE), IncrementalChain(topo, turns).current(UNSURE)
         for mine, other in zip(
             (found.poses, found.travelled, found.random, found.systematic),
             (whole.poses, whole.travelled, whole.random, whole.systematic),

@@ -24,7 +24,7 @@ from topomap.mapping.optimizer import (
     solving,
 )
 from topomap.mapping.optimizer.objective import Graph, State
-from topomap.mapping.optimizer.residuals import Blocks, closure_blocks
+from topomap.mapping.optimizer.residuals import Residuals, closure_residuals
 
 
 def by_differences(graph: Graph, state: State, part: str, node: int, axis: int) -> np.ndarray:
@@ -32,7 +32,7 @@ def by_differences(graph: Graph, state: State, part: str, node: int, axis: int) 
     for sign in (1, -1):
         poses = state.poses.copy()
         poses[node, axis] += sign * 1e-6
-        blocks: Blocks = getattr(graph.linearise(State(poses, state.calibration)), part)
+        blocks: Residuals = getattr(graph.linearise(State(poses, state.calibration)), part)
         moved.append(blocks.residual)
     return (moved[0] - moved[1]) / 2e-6
 
@@ -46,7 +46,7 @@ def test_pose_jacobians_against_differences(part: str) -> None:
     closures = replace(problem.closures, covariance=mixed, relative=relative)
     problem = replace(problem, closures=closures, turns=(TurnEdge(3, 4, 0.2, 0.05),))
     graph, state = Graph(problem, 3.0), State(problem.poses, TRUE)
-    blocks: Blocks = getattr(graph.linearise(state), part)
+    blocks: Residuals = getattr(graph.linearise(state), part)
     for k in range(len(blocks.i)):
         if part == "closures" and k >= 2:
             continue  # the blind ones whiten with one sigma both ways: checked below
@@ -76,7 +76,7 @@ def test_closure_agrees_with_gtsam() -> None:
     covariance = np.array([[0.2, 0.05, 0.01], [0.05, 0.1, 0.0], [0.01, 0.0, 0.02]])
     first, claim = Pose2(1.0, 2.0, 0.4), Pose2(1.2, -0.9, -1.5)
     poses = np.array([first.array(), (first @ claim).array() + np.array([1e-4, -2e-4, 1e-4])])
-    blocks = closure_blocks(poses, Closures.of([ClosureEdge(0, 1, claim, covariance)]))
+    blocks = closure_residuals(poses, Closures.of([ClosureEdge(0, 1, claim, covariance)]))
     values = gtsam.Values()
     for key, row in enumerate(poses):
         values.insert(key, gtsam.Pose2(*row))
@@ -163,7 +163,7 @@ def test_opposite_headings_without_a_claim_dont_turn_the_map() -> None:
     solution = solve(problem)
     assert solution.improved
     assert ate(solution.poses, made.truth) < 0.3 * ate(problem.poses, made.truth)
-    blocks = closure_blocks(problem.poses, replace(problem.closures, relative=problem.closures.relative * 0))
+    blocks = closure_residuals(problem.poses, replace(problem.closures, relative=problem.closures.relative * 0))
     assert not blocks.by_i[:, :, 2].any()
 
 

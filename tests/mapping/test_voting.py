@@ -10,7 +10,7 @@ import pytest
 
 from topomap.core.geometry import Pose2
 from topomap.core.records import Candidate
-from topomap.mapping.closures.voting import Quorum, QuorumSettings
+from topomap.mapping.closures.voting import Voting, VotingSettings
 from topomap.mapping.graph import Node, TopoMap
 
 
@@ -32,53 +32,53 @@ def candidate(query: int, match: int, rotation: float, ratio: float = 0.0) -> Ca
 
 @pytest.mark.parametrize("back", [False, True])
 def test_three_that_tell_the_same_shift_are_believed_together(back: bool) -> None:
-    quorum = Quorum(QuorumSettings(), road(back))
+    voting = Voting(VotingSettings(), road(back))
     pairs = [(query, 39 - query if back else query - 20) for query in (22, 24, 26)]
     turn = math.pi if back else 0.0
-    assert quorum.add(candidate(*pairs[0], turn)) == ()
-    assert quorum.add(candidate(*pairs[1], turn)) == ()
-    assert [c.query for c in quorum.add(candidate(*pairs[2], turn))] == [22, 24, 26]
+    assert voting.add(candidate(*pairs[0], turn)) == ()
+    assert voting.add(candidate(*pairs[1], turn)) == ()
+    assert [c.query for c in voting.add(candidate(*pairs[2], turn))] == [22, 24, 26]
 
 
 def test_places_that_hardly_beat_their_rivals_need_more_of_them() -> None:
-    quorum = Quorum(QuorumSettings(clear=0.6), road(False))
-    found = [quorum.add(candidate(20 + k, k, 0.0, ratio=0.8)) for k in range(6)]  # half a vote each
+    voting = Voting(VotingSettings(clear=0.6), road(False))
+    found = [voting.add(candidate(20 + k, k, 0.0, ratio=0.8)) for k in range(6)]  # half a vote each
     assert [len(some) for some in found] == [0, 0, 0, 0, 0, 6]
 
 
 def test_an_active_check_is_a_further_vote() -> None:
-    quorum = Quorum(QuorumSettings(), road(False))
+    voting = Voting(VotingSettings(), road(False))
     first, second = candidate(22, 2, 0.0), candidate(24, 4, 0.0)
-    assert quorum.add(first) == ()
-    assert quorum.add(second) == ()
-    quorum.drop(first)
+    assert voting.add(first) == ()
+    assert voting.add(second) == ()
+    voting.drop(first)
     checked = replace(first, scores={**first.scores, "active": 1.0})
-    assert quorum.add(checked) == (second, checked)
+    assert voting.add(checked) == (second, checked)
 
 
 def test_what_was_dropped_supports_nothing() -> None:
-    quorum = Quorum(QuorumSettings(votes=2), road(False))
+    voting = Voting(VotingSettings(votes=2), road(False))
     first = candidate(22, 2, 0.0)
-    quorum.add(first)
-    quorum.drop(first)
-    assert quorum.add(candidate(24, 4, 0.0)) == ()
+    voting.add(first)
+    voting.drop(first)
+    assert voting.add(candidate(24, 4, 0.0)) == ()
 
 
 def test_look_alikes_at_random_places_never_agree() -> None:
-    quorum = Quorum(QuorumSettings(), road(False))
+    voting = Voting(VotingSettings(), road(False))
     for query, match in ((22, 2), (23, 9), (24, 1), (25, 13), (26, 10)):
-        assert quorum.add(candidate(query, match, 0.0)) == ()
+        assert voting.add(candidate(query, match, 0.0)) == ()
 
 
 def test_a_wrong_rotation_does_not_agree() -> None:
-    quorum = Quorum(QuorumSettings(votes=2), road(False))
-    assert quorum.add(candidate(22, 2, 0.0)) == ()
-    assert quorum.add(candidate(23, 3, 0.5)) == ()
+    voting = Voting(VotingSettings(votes=2), road(False))
+    assert voting.add(candidate(22, 2, 0.0)) == ()
+    assert voting.add(candidate(23, 3, 0.5)) == ()
 
 
 def test_what_nothing_supports_in_time_expires_once() -> None:
-    quorum = Quorum(QuorumSettings(within=5.0), road(False))
-    quorum.add(candidate(22, 2, 0.0))
-    assert quorum.expired(26.0) == ()
-    assert [c.query for c in quorum.expired(28.0)] == [22]
-    assert quorum.expired(40.0) == ()
+    voting = Voting(VotingSettings(within=5.0), road(False))
+    voting.add(candidate(22, 2, 0.0))
+    assert voting.expired(26.0) == ()
+    assert [c.query for c in voting.expired(28.0)] == [22]
+    assert voting.expired(40.0) == ()

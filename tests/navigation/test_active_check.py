@@ -48,12 +48,14 @@ class Field:
         self.ledger.decide(9, candidate, Verdict.PENDING, "waits")
 
     def mapper(self) -> Mapper:
-        survey = SimpleNamespace(travel=self.way, turn=0.0, pose=Pose2())
+        track = SimpleNamespace(travel=self.way, turn=0.0, pose=Pose2())
         nodes = [SimpleNamespace(travel=0.0, snapshot=None), SimpleNamespace(travel=self.pending_at, snapshot=None)]
         topo = SimpleNamespace(nodes=nodes, pose=lambda node: Pose2())
-        album = SimpleNamespace(panorama=lambda node: view())
+        view_cache = SimpleNamespace(panorama=lambda node: view())
         tell = lambda candidate, agrees, reason: self.told.append((agrees, reason))  # noqa: E731
-        return cast(Mapper, SimpleNamespace(survey=survey, map=topo, album=album, ledger=self.ledger, testify=tell))
+        return cast(
+            Mapper, SimpleNamespace(track=track, map=topo, view_cache=view_cache, ledger=self.ledger, testify=tell)
+        )
 
 
 def view(room: float = 9.0) -> Panorama:

@@ -97,7 +97,7 @@ def test_where_nothing_was_measured_the_map_grows_and_the_distance_scale_is_unob
     mapper, kept = drive([replace(r, ranges=ranges, driven=k < 20) for k, r in enumerate(readings)])
     assert len(mapper.map.nodes) > 3
     assert np.isfinite(mapper.map.poses).all()
-    assert not mapper.correction.state.distance_scale.observed
+    assert not mapper.optimisation.state.distance_scale.observed
     assert kept.records[-1].travel.phase is Phase.TRAVEL
     assert np.isfinite([kept.records[-1].command.forward, kept.records[-1].command.turn]).all()
 

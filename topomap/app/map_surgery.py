@@ -13,7 +13,7 @@ from topomap.core.geometry import Pose2
 from topomap.mapping.graph import TopoMap
 from topomap.mapping.mapfile import load_map, save_map
 from topomap.mapping.optimizer import ClosureEdge, Closures, OdometryEdge, Problem, Solution, solve
-from topomap.mapping.places.view_cache import Album
+from topomap.mapping.places.view_cache import ViewCache
 from topomap.vision.image.compare import rotation_difference, signature
 
 # a map file holds neither seen turns nor ranges: what they told of the odometry stays nearly as it was found
@@ -49,7 +49,7 @@ def add(path: Path, a: int, b: int, out: Path) -> Surgery:
     """
     topo = load_map(path)
     _check(topo, path, a, b)
-    album = Album(topo)
+    album = ViewCache(topo)
     difference, rotation = rotation_difference(signature(album.panorama(b)), signature(album.panorama(a)))
     covariance = np.diag([POSITION_SIGMA**2, POSITION_SIGMA**2, HEADING_SIGMA**2])
     topo.close(ClosureEdge(a, b, Pose2(0.0, 0.0, rotation), covariance))

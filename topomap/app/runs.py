@@ -145,7 +145,7 @@ def _final_map(navigator: Navigator, last: StepRecord, steps_per_s: float) -> Fi
         poses,
         tuple((i, n.stamp_ns, topo.pose(i), n.snapshot is not None) for i, n in enumerate(topo.nodes)),
         tuple((a, b, data["kind"]) for a, b, data in topo.graph.edges(data=True)),
-        mapper.correction.state,
+        mapper.optimisation.state,
         mapper.graph_hash(),
         steps_per_s,
         travel is Phase.ARRIVED if asked else None,

@@ -10,11 +10,11 @@ from topomap.core.robot import Reading
 from topomap.mapping.closures.ledger import Ledger
 from topomap.mapping.closures.online import Closing, ClosingSettings
 from topomap.mapping.graph import RecordedRig, Snapshot, TopoMap
-from topomap.mapping.optimisation import Correction, CorrectionSettings
+from topomap.mapping.optimisation import Optimisation, OptimisationSettings
 from topomap.mapping.places.recognition import Recognition, RecognitionSettings
 from topomap.mapping.places.snapshots import SnapshotSettings, View, make_rule
-from topomap.mapping.places.view_cache import Album
-from topomap.mapping.track import Survey
+from topomap.mapping.places.view_cache import ViewCache
+from topomap.mapping.track import Track
 from topomap.vision.contracts import Aligner
 from topomap.vision.image.compare import rotation_difference, signature
 
@@ -25,7 +25,7 @@ class MapperSettings(BaseModel, frozen=True, extra="forbid"):
     snapshots: SnapshotSettings = Field(default_factory=SnapshotSettings)
     recognition: RecognitionSettings = Field(default_factory=RecognitionSettings)
     closing: ClosingSettings = Field(default_factory=ClosingSettings)
-    correction: CorrectionSettings = Field(default_factory=CorrectionSettings)
+    optimisation: OptimisationSettings = Field(default_factory=OptimisationSettings)
 
 
 class Mapper:
@@ -33,35 +33,35 @@ class Mapper:
 
     def __init__(self, settings: MapperSettings, aligner: Aligner) -> None:
         self.map = TopoMap()
-        self.album = Album(self.map)
+        self.view_cache = ViewCache(self.map)
         self.ledger = Ledger()
-        self.survey = Survey(self.map)
-        self.correction = Correction(settings.correction, aligner, self.map)
+        self.track = Track(self.map)
+        self.optimisation = Optimisation(settings.optimisation, aligner, self.map)
         self._settings = settings.snapshots
         self._rule = make_rule(settings.snapshots)
         self._recognition = Recognition(settings.recognition)
-        self._closing = Closing(settings.closing, aligner, self.survey, self.album, self.ledger, self.correction)
+        self._closing = Closing(settings.closing, aligner, self.track, self.view_cache, self.ledger, self.optimisation)
         self._previous: Panorama | None = None
         self._last_snapshot = -1
         self._kept_at = 0.0
 
     def update(self, reading: Reading, panorama: Panorama) -> MapChange:
-        """Take one reading: survey, keep or not, search, test closures, solve; return what changed."""
-        self.survey.advance(reading.stamp_ns, reading.motion)
+        """Take one reading: extend the track, keep or not, search, test closures, solve; return what changed."""
+        self.track.advance(reading.stamp_ns, reading.motion)
         difference = self._difference(panorama)
         added = self._keep(reading, panorama, difference)
         place, decisions = self._recognise(reading.stamp_ns, panorama)
         solved, reviewed = self._correct(reading.stamp_ns)
         self._previous = panorama
         return MapChange(
-            self.survey.pose,
+            self.track.pose,
             difference,
             self._settings.threshold,
             place,
             added,
             (*decisions, *reviewed),
             solved,
-            self.correction.state if solved else None,
+            self.optimisation.state if solved else None,
         )
 
     def testify(self, candidate: Candidate, agrees: bool, reason: str) -> None:
@@ -70,8 +70,8 @@ class Mapper:
 
     def finish(self, stamp_ns: int) -> None:
         """End the map at the last reading, so that every step lies on it, and correct it a last time."""
-        self.survey.node_at(stamp_ns)
-        self.correction.solve(stamp_ns, self.ledger)
+        self.track.node_at(stamp_ns)
+        self.optimisation.solve(stamp_ns, self.ledger)
 
     def graph_hash(self) -> str:
         """Return the hash over nodes, edges, verdicts and poses."""
@@ -81,7 +81,7 @@ class Mapper:
     def _difference(self, panorama: Panorama) -> float:
         if self._last_snapshot < 0:
             return float("nan")
-        last = self.album.panorama(self._last_snapshot)
+        last = self.view_cache.panorama(self._last_snapshot)
         return rotation_difference(signature(panorama), signature(last))[0]
 
     def _keep(self, reading: Reading, panorama: Panorama, difference: float) -> tuple[NodeAdded, ...]:
@@ -89,10 +89,10 @@ class Mapper:
         reason = self._reason(panorama, difference, reading.driven)
         if not reason:
             return ()
-        self._kept_at = self.survey.travel
+        self._kept_at = self.track.travel
         taught = reading.driven or not self.map.nodes
         snapshot = Snapshot(reading.encoded, reading.ranges, RecordedRig.of(reading.rig)) if taught else None
-        node = self.survey.node_at(reading.stamp_ns, snapshot)
+        node = self.track.node_at(reading.stamp_ns, snapshot)
         if taught:
             self._remember(node, panorama)
         return (NodeAdded(node, reading.stamp_ns, self.map.pose(node), taught, reason),)
@@ -100,28 +100,28 @@ class Mapper:
     def _reason(self, panorama: Panorama, difference: float, driven: bool) -> str | None:
         if self._previous is None:
             return "start"
-        travelled = self.survey.travel - self._kept_at
+        travelled = self.track.travel - self._kept_at
         if not driven:
             return "on the way" if travelled >= self._settings.max_travel else None
         to_previous = rotation_difference(signature(panorama), signature(self._previous))[0]
         return self._rule.judge(View(difference, to_previous, travelled))
 
     def _remember(self, node: int, panorama: Panorama) -> None:
-        self.album.put(node, panorama)
-        self._recognition.add(node, self.survey.travel, panorama)
+        self.view_cache.put(node, panorama)
+        self._recognition.add(node, self.track.travel, panorama)
         if self._last_snapshot >= 0:
-            self.correction.neighbours.compare(self._last_snapshot, node, self.album)
+            self.optimisation.sequential.compare(self._last_snapshot, node, self.view_cache)
         self._last_snapshot = node
 
     def _recognise(self, stamp_ns: int, panorama: Panorama) -> tuple[PlaceMatch | None, tuple[Decision, ...]]:
         """Look among the older places and judge what is proposed."""
-        travel = self.survey.travel
+        travel = self.track.travel
         reachable = self._closing.within_reach(self._recognition.old_nodes(travel))
         place = self._recognition.update(stamp_ns, travel, panorama, reachable)
         return place, self._closing.judge(stamp_ns, self._recognition.proposal())
 
     def _correct(self, stamp_ns: int) -> tuple[bool, list[Decision]]:
-        solved, reviewed = self.correction.update(stamp_ns, self.ledger)
+        solved, reviewed = self.optimisation.update(stamp_ns, self.ledger)
         if solved:
-            self.survey.restart()
+            self.track.restart()
         return solved, reviewed

@@ -14,10 +14,10 @@ from topomap.mapping.graph import TopoMap
 from topomap.mapping.odometry.calibration import calibration_state
 from topomap.mapping.odometry.increments import Calibration
 from topomap.mapping.optimizer import (
-    BackendSettings,
     ClosureEdge,
     Closures,
     OdometryEdge,
+    OptimizerSettings,
     Problem,
     Slices,
     Solution,
@@ -25,18 +25,18 @@ from topomap.mapping.optimizer import (
     solving,
 )
 from topomap.mapping.optimizer.problem import PRIOR_SIGMAS
-from topomap.mapping.sequential import Neighbours, NeighbourSettings
+from topomap.mapping.sequential import SequentialConstraints, SequentialSettings
 from topomap.vision.contracts import Aligner
 
 # places seen again tell nothing of the distance scale and would shrink the world (DESIGN.md): unmeasured it is held
 HELD = 1e-4
 
 
-class CorrectionSettings(BaseModel, frozen=True, extra="forbid"):
+class OptimisationSettings(BaseModel, frozen=True, extra="forbid"):
     """When the map is corrected and what the odometry's errors may be."""
 
-    backend: BackendSettings = Field(default_factory=BackendSettings)
-    neighbours: NeighbourSettings = Field(default_factory=NeighbourSettings)
+    backend: OptimizerSettings = Field(default_factory=OptimizerSettings)
+    sequential: SequentialSettings = Field(default_factory=SequentialSettings)
     every: int = Field(10, ge=1, description="nodes after which the map is solved though nothing surprising happened")
     surprise: float = Field(1.0, ge=0, description="a closure further off than this is solved at once [sigmas]")
     large: int = Field(500, ge=1, description="nodes and closures from which on a map is solved bit by bit")
@@ -45,7 +45,7 @@ class CorrectionSettings(BaseModel, frozen=True, extra="forbid"):
     stretch: int = Field(200, ge=2, description="odometry edges that are solved in between in a large map")
 
 
-class Correction:
+class Optimisation:
     """Collects the evidence on the odometry's errors and solves for poses and calibration.
 
     A small map is solved whole, within a step. Of a large one the newest stretch is; the whole is solved one
@@ -53,10 +53,10 @@ class Correction:
     after a number of steps that depends on the map alone, so that a replay does the same.
     """
 
-    def __init__(self, settings: CorrectionSettings, aligner: Aligner, topo: TopoMap) -> None:
+    def __init__(self, settings: OptimisationSettings, aligner: Aligner, topo: TopoMap) -> None:
         self._s = settings
         self._map = topo
-        self.neighbours = Neighbours(settings.neighbours, aligner, topo)
+        self.sequential = SequentialConstraints(settings.sequential, aligner, topo)
         self._closures: list[tuple[ClosureEdge, Candidate]] = []
         self._covariance = np.diag(np.square(PRIOR_SIGMAS))
         self._running: Slices[Solution] | None = None
@@ -144,7 +144,7 @@ class Correction:
         ends = {edge.j for edge in edges}
         new = [k for k, (edge, _) in enumerate(self._closures) if edge.j in ends]
         closures = Closures.of([self._closures[k][0] for k in new])
-        turns = self.neighbours.turns[-self._s.stretch :]
+        turns = self.sequential.turns[-self._s.stretch :]
         found = solve_recent(self._map.poses, edges, closures, turns, self._map.calibration, self._s.backend)
         if not found.solution.improved:
             return False, []
@@ -164,13 +164,13 @@ class Correction:
         return calibration_state(self._map.calibration, self._covariance, PRIOR_SIGMAS)
 
     def _problem(self) -> Problem:
-        scale = self.neighbours.distance_scale
+        scale = self.sequential.distance_scale
         sigma = scale.sigma / scale.value if scale.observed else HELD
         return Problem(
             self._map.poses.copy(),
             tuple(OdometryEdge(a, b, increments) for a, b, increments in self._map.odometry_edges()),
             Closures.of([edge for edge, _ in self._closures]),
-            tuple(self.neighbours.turns),
+            tuple(self.sequential.turns),
             self._map.calibration,
             Calibration(distance_scale=scale.value),
             (PRIOR_SIGMAS[0], PRIOR_SIGMAS[1], sigma),
@@ -178,7 +178,7 @@ class Correction:
 
     def _honest(self, covariance: FloatArray) -> FloatArray:
         """Return the covariance (3, 3) of a solution; what was only held is as unknown as before."""
-        if self.neighbours.distance_scale.observed:
+        if self.sequential.distance_scale.observed:
             return covariance
         honest = covariance.copy()
         honest[2, :], honest[:, 2] = 0.0, 0.0

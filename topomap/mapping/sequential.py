@@ -15,12 +15,12 @@ from topomap.mapping.odometry.calibration import DistanceScale, DistanceScaleSet
 from topomap.mapping.odometry.increments import Calibration, integrate
 from topomap.mapping.odometry.scan_match import ScanMatch, ScanMatchSettings, match_scans, seen_scans
 from topomap.mapping.optimizer import TurnEdge
-from topomap.mapping.places.view_cache import Album
+from topomap.mapping.places.view_cache import ViewCache
 from topomap.vision.contracts import Aligner
 from topomap.vision.image.ground_line import ground_ranges
 
 
-class NeighbourSettings(BaseModel, frozen=True, extra="forbid"):
+class SequentialSettings(BaseModel, frozen=True, extra="forbid"):
     """How neighbouring snapshots are compared."""
 
     scans: ScanMatchSettings = Field(default_factory=ScanMatchSettings)
@@ -35,10 +35,10 @@ class NeighbourSettings(BaseModel, frozen=True, extra="forbid"):
     min_way: float = Field(0.15, gt=0, description="shortest way whose distance is used [m]")
 
 
-class Neighbours:
+class SequentialConstraints:
     """Compares each snapshot with the one before: by ranges, or else by the visual compass and the ground line."""
 
-    def __init__(self, settings: NeighbourSettings, aligner: Aligner, topo: TopoMap) -> None:
+    def __init__(self, settings: SequentialSettings, aligner: Aligner, topo: TopoMap) -> None:
         self._s = settings
         self._aligner = aligner
         self._map = topo
@@ -50,9 +50,9 @@ class Neighbours:
         """The distance scale by all that was measured so far."""
         return self._scale.estimate()
 
-    def compare(self, a: int, b: int, album: Album) -> None:
+    def compare(self, a: int, b: int, view_cache: ViewCache) -> None:
         """Take the evidence of snapshot b about the way from snapshot a, the one before it."""
-        before, now = album.panorama(a), album.panorama(b)
+        before, now = view_cache.panorama(a), view_cache.panorama(b)
         guess = self._map.pose(a).to(self._map.pose(b)).array()
         match = None
         if before.ranges is not None and now.ranges is not None:

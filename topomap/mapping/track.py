@@ -12,7 +12,7 @@ from topomap.mapping.graph import Node, Snapshot, TopoMap
 from topomap.mapping.odometry.increments import Increments, advance
 
 
-class Survey:
+class Track:
     """Integrates odometry beyond the map's last node and appends or inserts nodes.
 
     pose: corrected, in the map frame; raw: odometry as read, integrated from the start; turn: the last corrected turn

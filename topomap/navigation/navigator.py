@@ -43,10 +43,10 @@ class Navigator:
         checked = self._active.step(panorama, reading.contact, self.mapper) if goal.phase is Phase.TRAVEL else None
         if checked is not None:
             self._traveller.pause()
-        turn = self.mapper.survey.turn
+        turn = self.mapper.track.turn
         command, travel = checked or self._traveller.step(panorama, turn, where, goal, self.mapper)
         self._mission.report(travel)
         watch.lap("travel")
         return command, StepRecord(
-            reading.stamp_ns, self.mapper.survey.raw, change, where, goal, travel, command, watch.laps
+            reading.stamp_ns, self.mapper.track.raw, change, where, goal, travel, command, watch.laps
         )

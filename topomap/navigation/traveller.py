@@ -101,7 +101,7 @@ class Traveller:
     def _leg_to(self, node: int, where: Where, mapper: Mapper) -> _Leg:
         if self._leg is None or self._leg.node != node:
             heading = wrap(where.pose.heading - mapper.map.pose(node).heading)
-            self._leg = _Leg(node, mapper.album.panorama(node), heading, self._s.arrival)
+            self._leg = _Leg(node, mapper.view_cache.panorama(node), heading, self._s.arrival)
         return self._leg
 
     def _arrive(self, difference: float) -> tuple[Command, Travel]:

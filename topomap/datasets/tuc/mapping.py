@@ -22,7 +22,7 @@ from topomap.mapping.closures.ledger import Ledger, key_of
 from topomap.mapping.closures.odometry_gate import OdometryGate
 from topomap.mapping.odometry.calibration import calibration_state
 from topomap.mapping.odometry.increments import Calibration
-from topomap.mapping.optimizer import AxisEdge, BackendSettings, Closures, Problem, Solution, solve
+from topomap.mapping.optimizer import AxisEdge, Closures, OptimizerSettings, Problem, Solution, solve
 
 # same-place loops see rotation, not distance (DESIGN.md): the distance scale is held while solving
 HELD = 1e-4
@@ -161,7 +161,7 @@ class TucMapping:
                 self._decide(k, Verdict.REFUSED, finding.reason)
         return new[passed]
 
-    def _solve(self, which: IntArray, settings: BackendSettings) -> Solution:
+    def _solve(self, which: IntArray, settings: OptimizerSettings) -> Solution:
         closures: Closures = self.loops.closures(which)
         edges = self.drive.edges[: len(self._poses) - 1]
         return solve(

@@ -5,16 +5,16 @@ from __future__ import annotations
 from pydantic import BaseModel, ConfigDict, Field
 
 from topomap.mapping.closures.odometry_gate import GateSettings
-from topomap.mapping.optimizer import BackendSettings
+from topomap.mapping.optimizer import OptimizerSettings
 from topomap.mapping.uncertainty.agreement import SupportSettings
 
 
-def _growing() -> BackendSettings:
-    return BackendSettings(cutoffs=(16.0, 8.0, 4.0, 2.0), cutoff=1.5, iterations=2, tolerance=0.05)
+def _growing() -> OptimizerSettings:
+    return OptimizerSettings(cutoffs=(16.0, 8.0, 4.0, 2.0), cutoff=1.5, iterations=2, tolerance=0.05)
 
 
-def _closing() -> BackendSettings:
-    return BackendSettings(cutoffs=(3.0, 2.0, 1.5), cutoff=1.0)
+def _closing() -> OptimizerSettings:
+    return OptimizerSettings(cutoffs=(3.0, 2.0, 1.5), cutoff=1.0)
 
 
 class TucSettings(BaseModel):
@@ -32,9 +32,9 @@ class TucSettings(BaseModel):
     gate: GateSettings = Field(default_factory=GateSettings, description="when odometry contradicts")
     closure_sigma: float = Field(default=1.0, gt=0, description="how far apart the places of a loop lie [m]")
     every: float = Field(default=25.0, gt=0, description="way between two solves [m]")
-    growing: BackendSettings = Field(default_factory=_growing, description="the solve every so often")
+    growing: OptimizerSettings = Field(default_factory=_growing, description="the solve every so often")
     readmit: float = Field(default=3.0, gt=0, description="the last solve hears all loops this near [m]")
-    closing: BackendSettings = Field(default_factory=_closing, description="the last solve")
+    closing: OptimizerSettings = Field(default_factory=_closing, description="the last solve")
     start_curvature: float = Field(default=0.0, ge=-0.1, le=0.1, description="curvature at start [rad/m]")
     min_believed: float = Field(
         default=0.2, ge=0, le=1, description="share of supported loops below which other curvatures are tried"

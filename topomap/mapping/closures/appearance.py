@@ -12,7 +12,7 @@ from topomap.core.records import Alignment, PlaceMatch
 from topomap.vision.contracts import Aligner
 
 
-class VerificationSettings(BaseModel, frozen=True, extra="forbid"):
+class AppearanceSettings(BaseModel, frozen=True, extra="forbid"):
     """When a place is believed by what is seen."""
 
     cost: float = Field(0.8, gt=0, description="alignment cost above which no place is believed")
@@ -37,10 +37,10 @@ class Outcome:
     objection: str
 
 
-class Verification:
+class AppearanceTest:
     """Ranks places by alignment cost (min-warping by default)."""
 
-    def __init__(self, settings: VerificationSettings, aligner: Aligner) -> None:
+    def __init__(self, settings: AppearanceSettings, aligner: Aligner) -> None:
         self._s = settings
         self._aligner = aligner
 

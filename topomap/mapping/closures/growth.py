@@ -15,22 +15,22 @@ from topomap.mapping.closures.groups import Bar, credible_groups
 from topomap.mapping.closures.noise import rescaled, variance_factor
 from topomap.mapping.closures.odds import crowding, log_odds
 from topomap.mapping.odometry.increments import Calibration, EdgeIncrements
-from topomap.mapping.optimizer import BackendSettings, Closures, Problem, solve
+from topomap.mapping.optimizer import Closures, OptimizerSettings, Problem, solve
 from topomap.mapping.optimizer.residuals import closure_chi2
 from topomap.mapping.pose_graph import PoseGraph
 from topomap.mapping.uncertainty.paths import Paths
 
 
-def _growing() -> BackendSettings:
-    return BackendSettings(cutoffs=(1e3, 1e3, 10.0), iterations=2, tolerance=0.02)
+def _growing() -> OptimizerSettings:
+    return OptimizerSettings(cutoffs=(1e3, 1e3, 10.0), iterations=2, tolerance=0.02)
 
 
-def _joining() -> BackendSettings:
-    return BackendSettings(cutoffs=(1e5, 1e5, 1e4, 1e3, 1e2, 10.0), iterations=2, tolerance=0.02)
+def _joining() -> OptimizerSettings:
+    return OptimizerSettings(cutoffs=(1e5, 1e5, 1e4, 1e3, 1e2, 10.0), iterations=2, tolerance=0.02)
 
 
-def _closing() -> BackendSettings:
-    return BackendSettings(cutoffs=(6.0, 3.4), iterations=8, tolerance=0.005)
+def _closing() -> OptimizerSettings:
+    return OptimizerSettings(cutoffs=(6.0, 3.4), iterations=8, tolerance=0.005)
 
 
 class GraphSettings(BaseModel):
@@ -52,9 +52,9 @@ class GraphSettings(BaseModel):
     turn: float = Field(default=0.3, gt=0, description="what odometry's heading may be off between solves [rad]")
     solves: int = Field(default=20, ge=1, description="solves while growing at most")
     rounds: int = Field(default=40, ge=1, description="how often the finished map hears all closures again")
-    growing: BackendSettings = Field(default_factory=_growing, description="the solve with new closures")
-    joining: BackendSettings = Field(default_factory=_joining, description="the solve with groups, which move far")
-    closing: BackendSettings = Field(default_factory=_closing, description="the last solves")
+    growing: OptimizerSettings = Field(default_factory=_growing, description="the solve with new closures")
+    joining: OptimizerSettings = Field(default_factory=_joining, description="the solve with groups, which move far")
+    closing: OptimizerSettings = Field(default_factory=_closing, description="the last solves")
 
 
 class Mapped(NamedTuple):
@@ -147,7 +147,7 @@ class Growth:
     def _paths(self) -> Paths:
         return Paths(chain_of(self._poses, self._integrated), self._closures[self._believed])
 
-    def _solve(self, which: IntArray, settings: BackendSettings) -> None:
+    def _solve(self, which: IntArray, settings: OptimizerSettings) -> None:
         edges = self._edges[: len(self._poses) - 1]
         solution = solve(Problem(self._poses, edges, self._closures[which], prior_sigmas=HELD), settings)
         self._poses, self._believed = solution.poses, which[solution.closure_weights > 0]

@@ -9,30 +9,30 @@ from pydantic import BaseModel, Field
 from topomap.core.arrays import IntArray
 from topomap.core.geometry import Pose2
 from topomap.core.records import Candidate, Decision, Verdict
-from topomap.mapping.closures.appearance import Outcome, Verification, VerificationSettings
+from topomap.mapping.closures.appearance import AppearanceSettings, AppearanceTest, Outcome
 from topomap.mapping.closures.ledger import Ledger, key_of
 from topomap.mapping.closures.odometry_gate import GateSettings, OdometryGate
-from topomap.mapping.closures.relative_pose import ClosureOffset, OffsetSettings
-from topomap.mapping.closures.same_place import Likeness, LikenessSettings
-from topomap.mapping.closures.voting import Quorum, QuorumSettings
-from topomap.mapping.optimisation import Correction
+from topomap.mapping.closures.relative_pose import RelativePoseEstimator, RelativePoseSettings
+from topomap.mapping.closures.same_place import SamePlaceSettings, SamePlaceTest
+from topomap.mapping.closures.voting import Voting, VotingSettings
+from topomap.mapping.optimisation import Optimisation
 from topomap.mapping.optimizer.problem import ClosureEdge
 from topomap.mapping.places.recognition import Proposal
-from topomap.mapping.places.view_cache import Album
-from topomap.mapping.track import Survey
-from topomap.mapping.uncertainty.reachability import Ways
+from topomap.mapping.places.view_cache import ViewCache
+from topomap.mapping.track import Track
+from topomap.mapping.uncertainty.reachability import Reachability
 from topomap.vision.contracts import Aligner
 
 
 class ClosingSettings(BaseModel, frozen=True, extra="forbid"):
     """How a closure is tested and measured."""
 
-    verification: VerificationSettings = Field(default_factory=VerificationSettings)
+    appearance: AppearanceSettings = Field(default_factory=AppearanceSettings)
     gate: GateSettings = Field(default_factory=lambda: GateSettings(probability=0.95))
     reach: float = Field(0.99, gt=0.5, lt=1, description="probability that the true place is among those compared")
-    offset: OffsetSettings = Field(default_factory=OffsetSettings)
-    likeness: LikenessSettings = Field(default_factory=LikenessSettings)
-    quorum: QuorumSettings = Field(default_factory=QuorumSettings)
+    offset: RelativePoseSettings = Field(default_factory=RelativePoseSettings)
+    same_place: SamePlaceSettings = Field(default_factory=SamePlaceSettings)
+    voting: VotingSettings = Field(default_factory=VotingSettings)
     alone: float = Field(
         1.2, gt=0, description="where odometry knows the place better than this, it leaves no other [m]"
     )
@@ -45,25 +45,25 @@ class Closing:
         self,
         settings: ClosingSettings,
         aligner: Aligner,
-        survey: Survey,
-        album: Album,
+        track: Track,
+        view_cache: ViewCache,
         ledger: Ledger,
-        correction: Correction,
+        optimisation: Optimisation,
     ) -> None:
         self._s = settings
-        self._survey, self._map, self._album = survey, survey.map, album
-        self._ledger, self._correction = ledger, correction
-        self._verification = Verification(settings.verification, aligner)
+        self._track, self._map, self._view_cache = track, track.map, view_cache
+        self._ledger, self._optimisation = ledger, optimisation
+        self._appearance = AppearanceTest(settings.appearance, aligner)
         self._gate = OdometryGate(settings.gate)
-        self._offset = ClosureOffset(settings.offset)
-        self._likeness = Likeness(settings.likeness)
-        self._quorum = Quorum(settings.quorum, survey.map)
+        self._offset = RelativePoseEstimator(settings.offset)
+        self._same_place = SamePlaceTest(settings.same_place)
+        self._voting = Voting(settings.voting, track.map)
         self._testimonies: list[tuple[Candidate, bool, str]] = []
-        self._ways = Ways(survey.map, correction, settings.offset.position_sigma, settings.reach)
+        self._reachability = Reachability(track.map, optimisation, settings.offset.position_sigma, settings.reach)
 
     def within_reach(self, nodes: IntArray) -> IntArray:
         """Return those of some older nodes (n,) at which odometry allows the robot to be now."""
-        return self._ways.within_reach(self._survey.pose, nodes)
+        return self._reachability.within_reach(self._track.pose, nodes)
 
     def testify(self, candidate: Candidate, agrees: bool, reason: str) -> None:
         """Take what an active check saw of a pending candidate; it counts in the next step."""
@@ -71,7 +71,7 @@ class Closing:
 
     def judge(self, stamp_ns: int, proposal: Proposal | None) -> tuple[Decision, ...]:
         """Return the verdicts of this step, on a proposal and on what waited for it; all are kept in the ledger."""
-        late = self._quorum.expired(self._survey.travel)
+        late = self._voting.expired(self._track.travel)
         reason = "no other closure agreed in time, and odometry leaves several places open"
         decisions = [self._ledger.decide(stamp_ns, c, Verdict.REFUSED, reason) for c in late]
         for testimony in self._testimonies:
@@ -85,7 +85,7 @@ class Closing:
         """Refuse a candidate that still waits, or let it vote once more."""
         if self._ledger.verdict(key_of(candidate)) is not Verdict.PENDING:
             return []
-        self._quorum.drop(candidate)
+        self._voting.drop(candidate)
         if not agrees:
             return [self._ledger.decide(stamp_ns, candidate, Verdict.REFUSED, reason)]
         return self._vote(stamp_ns, replace(candidate, scores={**candidate.scores, "active": 1.0}), f"; {reason}")
@@ -96,11 +96,11 @@ class Closing:
         Where odometry leaves several places open, the true one may not be on the map at all: then what looks alike
         elsewhere, out of reach, tells how much a likeness is worth.
         """
-        open_places = self._ways.reach(proposal.places[0].node) > self._s.alone
+        open_places = self._reachability.reach(proposal.places[0].node) > self._s.alone
         near = {place.node for place in proposal.places}
         rivals = [rival for rival in proposal.rivals if open_places and rival.node not in near]
-        outcome = self._verification.judge(
-            proposal.moment.panorama, proposal.places, rivals, self._album.panorama, self._map.length
+        outcome = self._appearance.judge(
+            proposal.moment.panorama, proposal.places, rivals, self._view_cache.panorama, self._map.length
         )
         objection = outcome.objection
         match = outcome.winner.match
@@ -111,12 +111,12 @@ class Closing:
         if objection:
             candidate = self._candidate(proposal, outcome, Pose2(0.0, 0.0, outcome.winner.alignment.rotation))
             return [self._ledger.decide(stamp_ns, candidate, Verdict.REFUSED, objection)]
-        place = self._album.panorama(match.node)
+        place = self._view_cache.panorama(match.node)
         offset = self._offset.measure(outcome.winner, place, proposal.moment.panorama)
         candidate = self._candidate(proposal, outcome, offset.relative)
         scores = {**candidate.scores, "share": offset.share}
         candidate = replace(candidate, covariance=offset.covariance, scores=scores)
-        if unlike := self._likeness.objection(candidate.scores["cost"], offset):
+        if unlike := self._same_place.objection(candidate.scores["cost"], offset):
             return [self._ledger.decide(stamp_ns, candidate, Verdict.REFUSED, unlike)]
         return self._by_odometry(stamp_ns, candidate, open_places)
 
@@ -140,9 +140,9 @@ class Closing:
 
     def _by_odometry(self, stamp_ns: int, candidate: Candidate, open_places: bool) -> list[Decision]:
         """Hold a candidate that was believed by sight against the way between the two nodes."""
-        query = self._survey.node_at(candidate.query_ns)
+        query = self._track.node_at(candidate.query_ns)
         expected = self._map.pose(candidate.match).to(self._map.pose(query))
-        finding = self._gate.judge(candidate, expected, self._ways.covariance(candidate.match, query))
+        finding = self._gate.judge(candidate, expected, self._reachability.covariance(candidate.match, query))
         candidate = replace(candidate, query=query, scores={**candidate.scores, "sigmas": finding.score})
         if not finding.passed:
             return [self._ledger.decide(stamp_ns, candidate, Verdict.REFUSED, finding.reason)]
@@ -152,7 +152,7 @@ class Closing:
 
     def _vote(self, stamp_ns: int, candidate: Candidate, more: str = "") -> list[Decision]:
         """Accept a candidate with all that agree, or let it wait; more: what else there is to say of it."""
-        agreeing = self._quorum.add(candidate)
+        agreeing = self._voting.add(candidate)
         if not agreeing:
             reason = f"odometry leaves several places open: waits for others that agree{more}"
             return [self._ledger.decide(stamp_ns, candidate, Verdict.PENDING, reason)]
@@ -163,6 +163,6 @@ class Closing:
         assert candidate.query is not None
         edge = ClosureEdge(candidate.match, candidate.query, candidate.relative, candidate.covariance)
         self._map.close(edge)
-        self._correction.believe(edge, candidate)
+        self._optimisation.believe(edge, candidate)
         seen = f"one place is alike (cost {candidate.scores['cost']:.2f}, ratio {candidate.scores['ratio']:.2f})"
         return self._ledger.decide(stamp_ns, candidate, Verdict.ACCEPTED, f"{seen}; {reason}")

@@ -16,7 +16,7 @@ from topomap.mapping.odometry.scan_match import ScanMatch, ScanMatchSettings, ma
 from topomap.vision.image.ground_line import ground_ranges
 
 
-class OffsetSettings(BaseModel, frozen=True, extra="forbid"):
+class RelativePoseSettings(BaseModel, frozen=True, extra="forbid"):
     """What is believed of a closure's relative pose."""
 
     position_sigma: float = Field(0.35, gt=0, description="how far apart the two spots lie, unmeasured [m]")
@@ -39,14 +39,14 @@ class Offset:
     share: float
 
 
-class ClosureOffset:
+class RelativePoseEstimator:
     """Measures a closure's relative pose by ranges, or else by where the floor ends; where these don't tell, the same
     spot is believed, less exactly.
 
     same_spot (3, 3): the covariance of that belief.
     """
 
-    def __init__(self, settings: OffsetSettings) -> None:
+    def __init__(self, settings: RelativePoseSettings) -> None:
         self._s = settings
         self.same_spot = _diagonal(settings.position_sigma, settings.heading_sigma_deg)
         self._floor = _diagonal(settings.scan_sigma, settings.scan_heading_sigma_deg)

@@ -10,7 +10,7 @@ from pydantic import BaseModel, Field
 from topomap.mapping.closures.relative_pose import Offset
 
 
-class LikenessSettings(BaseModel, frozen=True, extra="forbid"):
+class SamePlaceSettings(BaseModel, frozen=True, extra="forbid"):
     """When a closure is believed to be at the place itself."""
 
     times: float = Field(2.0, gt=1, description="the usual cost of places seen again, so many times at most")
@@ -20,10 +20,10 @@ class LikenessSettings(BaseModel, frozen=True, extra="forbid"):
     unmeasured: float = Field(0.25, gt=0, description="error of a position from which on nothing measured it [m]")
 
 
-class Likeness:
+class SamePlaceTest:
     """Objects where the offset is too long, or unmeasured and the view differs more than at the spot it would."""
 
-    def __init__(self, settings: LikenessSettings) -> None:
+    def __init__(self, settings: SamePlaceSettings) -> None:
         self._s = settings
         self._costs: deque[float] = deque(maxlen=settings.memory)
 

@@ -10,7 +10,7 @@ from topomap.core.records import Candidate
 from topomap.mapping.graph import TopoMap
 
 
-class QuorumSettings(BaseModel, frozen=True, extra="forbid"):
+class VotingSettings(BaseModel, frozen=True, extra="forbid"):
     """How many closures must agree where odometry leaves the place open."""
 
     votes: float = Field(3, gt=0, description="clear closures that must agree, the new one included")
@@ -21,10 +21,10 @@ class QuorumSettings(BaseModel, frozen=True, extra="forbid"):
     angle_deg: float = Field(10.0, gt=0, description="how far their rotations may disagree [degree]")
 
 
-class Quorum:
+class Voting:
     """Keeps candidates until enough of them tell the same shift of the map, in either driving direction."""
 
-    def __init__(self, settings: QuorumSettings, topo: TopoMap) -> None:
+    def __init__(self, settings: VotingSettings, topo: TopoMap) -> None:
         self._s = settings
         self._map = topo
         self._waiting: list[Candidate] = []

@@ -15,7 +15,7 @@ from topomap.mapping.odometry.scan_kernels import normal_equations, surfaces
 class ScanMatchSettings(BaseModel, frozen=True, extra="forbid"):
     """How two scans are laid over one another."""
 
-    neighbours: int = Field(8, ge=1, description="rays to either side that make a surface")
+    sequential: int = Field(8, ge=1, description="rays to either side that make a surface")
     flatness: float = Field(0.1, gt=0, lt=1, description="how much a surface may bend")
     widest: float = Field(0.3, gt=0, description="pairs further apart don't count at first [m]")
     narrowest: float = Field(0.05, gt=0, description="... and in the end [m]")
@@ -51,8 +51,8 @@ def match_scans(
     Returns None where too few rays find a partner.
     """
     s = settings or ScanMatchSettings()
-    points, normals = surfaces(a.astype(float), s.neighbours, s.flatness)
-    moved, moved_normals = surfaces(b.astype(float), s.neighbours, s.flatness)
+    points, normals = surfaces(a.astype(float), s.sequential, s.flatness)
+    moved, moved_normals = surfaces(b.astype(float), s.sequential, s.flatness)
     pose = np.array(guess, float)
     for cutoff in np.geomspace(s.widest, s.narrowest, s.iterations - 2).tolist() + 2 * [s.narrowest]:
         information, gradient, error, used = normal_equations(

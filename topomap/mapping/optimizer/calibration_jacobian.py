@@ -12,10 +12,10 @@ import numpy as np
 from numba import njit
 
 from topomap.core.arrays import FloatArray, IntArray
-from topomap.mapping.optimizer.residuals import Blocks
+from topomap.mapping.optimizer.residuals import Residuals
 
 
-def carried(odometry: Blocks, poses: FloatArray, anchor: int) -> FloatArray:
+def calibration_jacobian(odometry: Residuals, poses: FloatArray, anchor: int) -> FloatArray:
     """Return (N, 3, 3) how each pose moves with the calibration while every odometry residual stays as it is.
 
     odometry: whitened blocks in travel order, each beginning where the last one ended; poses (N, 3); the anchor stays.
@@ -31,7 +31,7 @@ def carried(odometry: Blocks, poses: FloatArray, anchor: int) -> FloatArray:
     return np.asarray(result - lever @ np.linalg.solve(lever[anchor], result[anchor]))
 
 
-def with_calibration(blocks: Blocks, carry: FloatArray) -> Blocks:
+def with_calibration(blocks: Residuals, carry: FloatArray) -> Residuals:
     """Return residuals (not odometry's) as functions of the poses' own steps and of the calibration."""
     return blocks._replace(by_calibration=blocks.by_i @ carry[blocks.i] + blocks.by_j @ carry[blocks.j])
 

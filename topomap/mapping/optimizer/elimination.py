@@ -13,7 +13,7 @@ import numpy as np
 from numba import njit
 
 from topomap.core.arrays import BoolArray, FloatArray, IntArray
-from topomap.mapping.optimizer.residuals import Blocks
+from topomap.mapping.optimizer.residuals import Residuals
 
 EDGE = 5  # rows of an edge: three of odometry and two single ones, as a seen turn
 STRETCH = 9  # rows of a stretch: as many as the unknowns it joins
@@ -33,7 +33,7 @@ class Condensed(NamedTuple):
     rows: FloatArray
     inner: FloatArray
 
-    def blocks(self) -> tuple[Blocks, Blocks]:
+    def blocks(self) -> tuple[Residuals, Residuals]:
         """Return the stretches of a single edge and those of several, as residuals."""
         single = np.diff(self.kept) == 1
         return self._blocks(single, EDGE), self._blocks(~single, STRETCH)
@@ -44,10 +44,10 @@ class Condensed(NamedTuple):
         out[self.kept] = False
         return self.chain[out]
 
-    def _blocks(self, which: BoolArray, height: int) -> Blocks:
+    def _blocks(self, which: BoolArray, height: int) -> Residuals:
         rows = self.rows[which, :height]
         i, j = self.chain[self.kept[:-1][which]], self.chain[self.kept[1:][which]]
-        return Blocks(i, j, rows[:, :, :3], rows[:, :, 3:6], rows[:, :, 6:9], -rows[:, :, 9])
+        return Residuals(i, j, rows[:, :, :3], rows[:, :, 3:6], rows[:, :, 6:9], -rows[:, :, 9])
 
     def fill(self, steps: FloatArray, calibration: FloatArray) -> None:
         """Set the steps (N, 3) of the nodes left out from those of the kept ones and the calibration's (3,)."""
@@ -56,7 +56,7 @@ class Condensed(NamedTuple):
         steps[self.chain] = along
 
 
-def condense(chain: IntArray, odometry: Blocks, single: list[Blocks], keep: BoolArray) -> Condensed:
+def condense(chain: IntArray, odometry: Residuals, single: list[Residuals], keep: BoolArray) -> Condensed:
     """Return the chain (N,) with the nodes of keep (N,), by place in the chain, and both its ends.
 
     odometry: N - 1 whitened residuals along the chain, without calibration; single: for every row beside odometry's

@@ -11,7 +11,7 @@ from topomap.core.arrays import FloatArray
 from topomap.mapping.optimizer.objective import Graph, geman_mcclure
 from topomap.mapping.optimizer.problem import UNKNOWN_HEADING
 from topomap.mapping.optimizer.residuals import closure_chi2
-from topomap.mapping.optimizer.settings import BackendSettings
+from topomap.mapping.optimizer.settings import OptimizerSettings
 from topomap.mapping.uncertainty.agreement import Claims, support
 
 Weighing = Iterable[Callable[[FloatArray], FloatArray]]
@@ -25,7 +25,7 @@ class Schedule:
     and that allowance shrinks: a true closure of a long loop may begin far off, a false one of a short path mayn't.
     """
 
-    def __init__(self, graph: Graph, settings: BackendSettings) -> None:
+    def __init__(self, graph: Graph, settings: OptimizerSettings) -> None:
         self._closures = graph.problem.closures
         self._settings = settings
         self._chain, position = graph.chain()

@@ -8,7 +8,7 @@ import numpy as np
 from topomap.core.arrays import FloatArray
 from topomap.core.errors import TopomapError
 from topomap.mapping.optimizer.elimination import STRETCH, Condensed
-from topomap.mapping.optimizer.residuals import Blocks
+from topomap.mapping.optimizer.residuals import Residuals
 
 ANCHOR_SIGMA = 1e-3  # [m, rad] the anchor's residual is zero at the solution, so this only sets the conditioning
 
@@ -36,7 +36,7 @@ class LinearSystem:
         """Add the prior on the calibration: residual (3,) from its mean, sigmas (3,)."""
         self._prior(self._nodes, np.diag(1 / sigmas), residual / sigmas)
 
-    def add(self, blocks: Blocks) -> None:
+    def add(self, blocks: Residuals) -> None:
         """Add every residual."""
         model, add, factor = self._units[blocks.residual.shape[1] - 1], self._graph.add, gtsam.JacobianFactor
         rows = zip(blocks.i.tolist(), blocks.by_i, blocks.j.tolist(), blocks.by_j, -blocks.residual, strict=True)

@@ -9,11 +9,17 @@ import numpy as np
 from topomap.core.arrays import BoolArray, FloatArray, IntArray
 from topomap.core.geometry import wrap_all
 from topomap.mapping.odometry.increments import Calibration, EdgeIncrements
-from topomap.mapping.optimizer.calibration_jacobian import carried, with_calibration
+from topomap.mapping.optimizer.calibration_jacobian import calibration_jacobian, with_calibration
 from topomap.mapping.optimizer.elimination import Condensed, condense
 from topomap.mapping.optimizer.linear_system import LinearSystem
 from topomap.mapping.optimizer.problem import Problem
-from topomap.mapping.optimizer.residuals import Blocks, axis_blocks, closure_blocks, odometry_blocks, turn_blocks
+from topomap.mapping.optimizer.residuals import (
+    Residuals,
+    axis_residuals,
+    closure_residuals,
+    odometry_residuals,
+    turn_residuals,
+)
 from topomap.mapping.uncertainty.odometry_chain import Chain
 
 WEIGHTLESS = 1e-6  # a closure with less weight is left out of the system
@@ -46,12 +52,12 @@ class State:
 class Linearised:
     """All residuals at a state, and how the poses move with the calibration (N, 3, 3) if odometry alone counts."""
 
-    odometry: Blocks
-    closures: Blocks
-    turns: Blocks
-    axes: Blocks
+    odometry: Residuals
+    closures: Residuals
+    turns: Residuals
+    axes: Residuals
     prior: FloatArray
-    carried: FloatArray
+    calibration_jacobian: FloatArray
 
 
 class Graph:
@@ -118,14 +124,14 @@ class Graph:
         """Return every residual at the state."""
         edges = self._edges.integrate(state.calibration)
         i, j = self._turn_pairs[:, 0], self._turn_pairs[:, 1]
-        odometry = odometry_blocks(state.poses, state.calibration, self._pairs, edges)
+        odometry = odometry_residuals(state.poses, state.calibration, self._pairs, edges)
         return Linearised(
             odometry,
-            closure_blocks(state.poses, self.problem.closures),
-            turn_blocks(state.poses, i, j, self._turns[:, 0], self._turns[:, 1]),
-            axis_blocks(state.poses, self._axis_pairs[:, 0], self._axis_pairs[:, 1], self._axis_sigmas),
+            closure_residuals(state.poses, self.problem.closures),
+            turn_residuals(state.poses, i, j, self._turns[:, 0], self._turns[:, 1]),
+            axis_residuals(state.poses, self._axis_pairs[:, 0], self._axis_pairs[:, 1], self._axis_sigmas),
             state.calibration.vector() - self.problem.prior.vector(),
-            carried(odometry, state.poses, self.problem.anchor),
+            calibration_jacobian(odometry, state.poses, self.problem.anchor),
         )
 
     def error(self, at: Linearised, weights: FloatArray) -> float:
@@ -145,13 +151,13 @@ class Graph:
     def system(self, at: Linearised, weights: FloatArray) -> LinearSystem:
         """Return the linear system with closure weights (M,), in poses that the calibration carries along."""
         heard = weights > WEIGHTLESS
-        closures = with_calibration(at.closures.among(heard), at.carried)
+        closures = with_calibration(at.closures.among(heard), at.calibration_jacobian)
         inside, across = [], []
         for blocks, on_edge, cutoff in (
             (at.turns, self._turn_on_edge, self._turn_cutoffs),
             (at.axes, self._axis_on_edge, self._axis_cutoff),
         ):
-            faded = with_calibration(blocks, at.carried).weighted(geman_mcclure(blocks.chi2(), cutoff))
+            faded = with_calibration(blocks, at.calibration_jacobian).weighted(geman_mcclure(blocks.chi2(), cutoff))
             inside.append(faded.among(on_edge))
             across.append(faded.among(~on_edge))
         system = LinearSystem(
@@ -163,7 +169,7 @@ class Graph:
         system.add(closures.weighted(weights[heard]))
         return system
 
-    def _condensed(self, odometry: Blocks, inside: list[Blocks], across: list[Blocks]) -> Condensed | None:
+    def _condensed(self, odometry: Residuals, inside: list[Residuals], across: list[Residuals]) -> Condensed | None:
         """Return the chain without the nodes that nothing but their neighbours on it sees."""
         if not len(self._pairs):
             return None
@@ -176,7 +182,7 @@ class Graph:
     def step(self, state: State, at: Linearised, weights: FloatArray) -> tuple[State, Linearised, float]:
         """Return the state after a Gauss-Newton step, halved while that is worse, and its largest move."""
         own, calibration = self.system(at, weights).solve()
-        poses = own + at.carried @ calibration
+        poses = own + at.calibration_jacobian @ calibration
         before = self.error(at, weights)
         longest = 1.0 / max(1.0, float((np.abs(calibration) / LARGEST_STEP).max()))
         for halvings in range(5):
@@ -188,7 +194,7 @@ class Graph:
         return state, at, 0.0
 
 
-def _faded(blocks: Blocks, cutoff: float | FloatArray) -> float:
+def _faded(blocks: Residuals, cutoff: float | FloatArray) -> float:
     """Return the error of residuals that fade out (Geman-McClure) beyond a cutoff, one for all or one each (n,)."""
     chi2, cutoff2 = blocks.chi2(), np.square(cutoff)
     return float((chi2 * cutoff2 / (chi2 + cutoff2)).sum())

@@ -13,7 +13,7 @@ from topomap.core.geometry import compose
 from topomap.mapping.optimizer.problem import Closures
 
 ANCHOR_SIGMA = 1e-3
-BELIEVED = 3.4  # sigmas: 99 % at 3 dof, as in BackendSettings
+BELIEVED = 3.4  # sigmas: 99 % at 3 dof, as in OptimizerSettings
 
 
 class PeerResult(NamedTuple):

@@ -16,7 +16,7 @@ from topomap.mapping.optimizer.problem import UNKNOWN_HEADING, Closures
 FLOOR = np.diag([2e-3, 2e-3, 5e-4]) ** 2
 
 
-class Blocks(NamedTuple):
+class Residuals(NamedTuple):
     """n whitened residuals of r rows.
 
     i, j (n,): the poses; by_i, by_j (n, r, 3): derivatives by their x, y [m], heading [rad];
@@ -34,12 +34,12 @@ class Blocks(NamedTuple):
         """Return (n,) squared errors."""
         return np.asarray((self.residual**2).sum(axis=1))
 
-    def among(self, part: NDArray[np.bool_]) -> Blocks:
+    def among(self, part: NDArray[np.bool_]) -> Residuals:
         """Return some (n,) of the residuals."""
         calibration = None if self.by_calibration is None else self.by_calibration[part]
-        return Blocks(self.i[part], self.j[part], self.by_i[part], self.by_j[part], calibration, self.residual[part])
+        return Residuals(self.i[part], self.j[part], self.by_i[part], self.by_j[part], calibration, self.residual[part])
 
-    def weighted(self, weights: FloatArray) -> Blocks:
+    def weighted(self, weights: FloatArray) -> Residuals:
         """Return the residuals with their squares counted weights (n,) times."""
         root = np.sqrt(weights)
         wide = root[:, None, None]
@@ -70,7 +70,7 @@ def _relative(poses: FloatArray, i: IntArray, j: IntArray) -> tuple[FloatArray, 
     return relative, by_i, by_j
 
 
-def odometry_blocks(poses: FloatArray, calibration: Calibration, pairs: IntArray, edges: Preintegrated) -> Blocks:
+def odometry_residuals(poses: FloatArray, calibration: Calibration, pairs: IntArray, edges: Preintegrated) -> Residuals:
     """Return the odometry edges pairs (n, 2) in raw units.
 
     They are D R_i^T (t_j - t_i) - p_raw and R turn - turn_raw + C/D forward_raw. Raw units keep the noise
@@ -94,10 +94,10 @@ def odometry_blocks(poses: FloatArray, calibration: Calibration, pairs: IntArray
     by_calibration[:, 2, 2] = -bend * edges.forward
     whitening = roots(edges.covariance + FLOOR)
     residual, a, b, c = _whiten(whitening, residual, by_i * units, by_j * units, by_calibration)
-    return Blocks(i, j, a, b, c, residual)
+    return Residuals(i, j, a, b, c, residual)
 
 
-def closure_blocks(poses: FloatArray, closures: Closures) -> Blocks:
+def closure_residuals(poses: FloatArray, closures: Closures) -> Residuals:
     """Return the closures R_i^T (t_j - t_i) - p, turn - claimed turn, each times the root of its weight.
 
     Where the heading isn't known the residual is t_j - t_i - R_i p in the map frame with one sigma both ways,
@@ -115,7 +115,7 @@ def closure_blocks(poses: FloatArray, closures: Closures) -> Blocks:
     _free_heading(poses, closures, blind, residual, by_i, by_j)
     whitening *= np.sqrt(closures.weight)[:, None, None]
     residual, a, b = _whiten(whitening, residual, by_i, by_j)
-    return Blocks(closures.i, closures.j, a, b, None, residual)
+    return Residuals(closures.i, closures.j, a, b, None, residual)
 
 
 def closure_chi2(poses: FloatArray, closures: Closures, extra: FloatArray) -> FloatArray:
@@ -143,15 +143,15 @@ def _free_heading(
     by_i[blind] = rows
 
 
-def turn_blocks(poses: FloatArray, i: IntArray, j: IntArray, turn: FloatArray, sigma: FloatArray) -> Blocks:
+def turn_residuals(poses: FloatArray, i: IntArray, j: IntArray, turn: FloatArray, sigma: FloatArray) -> Residuals:
     """Return the seen turns (n,) [rad] with sigma (n,) as residuals of one row."""
     residual = wrap_all(poses[j, 2] - poses[i, 2] - turn) / sigma
     by_j = np.zeros((len(i), 1, 3))
     by_j[:, 0, 2] = 1 / sigma
-    return Blocks(i, j, -by_j, by_j, None, residual[:, None])
+    return Residuals(i, j, -by_j, by_j, None, residual[:, None])
 
 
-def axis_blocks(poses: FloatArray, i: IntArray, j: IntArray, sigma: FloatArray) -> Blocks:
+def axis_residuals(poses: FloatArray, i: IntArray, j: IntArray, sigma: FloatArray) -> Residuals:
     """Return how far the headings of i are off the nearest building axis, in sigmas (n,), as residuals of one row.
 
     The axes' direction is the one that fits these headings best: where they are densest, not their mean, so
@@ -161,7 +161,7 @@ def axis_blocks(poses: FloatArray, i: IntArray, j: IntArray, sigma: FloatArray) 
     off = _to_axis(headings, _axis(headings, sigma)) / sigma
     by_i = np.zeros((len(i), 1, 3))
     by_i[:, 0, 2] = 1 / sigma
-    return Blocks(i, j, by_i, np.zeros_like(by_i), None, off[:, None])
+    return Residuals(i, j, by_i, np.zeros_like(by_i), None, off[:, None])
 
 
 def _to_axis(headings: FloatArray, axis: float) -> FloatArray:

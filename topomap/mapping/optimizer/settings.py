@@ -7,7 +7,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from topomap.mapping.uncertainty.agreement import SupportSettings
 
 
-class BackendSettings(BaseModel):
+class OptimizerSettings(BaseModel):
     """Graduated non-convexity for closures; cutoffs are in sigmas of the closure."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")

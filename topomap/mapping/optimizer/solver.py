@@ -12,7 +12,7 @@ from topomap.core.errors import TopomapError
 from topomap.mapping.optimizer.gnc import Schedule, Weighing
 from topomap.mapping.optimizer.objective import Graph, Linearised, State
 from topomap.mapping.optimizer.problem import Problem, Solution
-from topomap.mapping.optimizer.settings import BackendSettings
+from topomap.mapping.optimizer.settings import OptimizerSettings
 
 T = TypeVar("T")
 Slices = Generator[None, None, T]
@@ -20,7 +20,7 @@ End = tuple[State, Linearised, int]
 """Where a way ended, and after how many steps."""
 
 
-def solve(problem: Problem, settings: BackendSettings | None = None) -> Solution:
+def solve(problem: Problem, settings: OptimizerSettings | None = None) -> Solution:
     """Solve poses and calibration jointly by graduated non-convexity (Yang et al. 2020) over the closures.
 
     The closures' weights are annealed with Geman-McClure and end truncated (in or out). A result whose truncated
@@ -38,13 +38,13 @@ def solve(problem: Problem, settings: BackendSettings | None = None) -> Solution
 
 
 def solving(
-    problem: Problem, settings: BackendSettings | None = None, doubted: BoolArray | None = None
+    problem: Problem, settings: OptimizerSettings | None = None, doubted: BoolArray | None = None
 ) -> Slices[Solution]:
     """Do what `solve` does, at most one Gauss-Newton step a slice: whoever has other work does it in between.
 
     doubted (M,): closures that were out when the start was found. Where all others fit the start nothing is annealed.
     """
-    chosen = settings or BackendSettings()
+    chosen = settings or OptimizerSettings()
     graph = Graph(problem, chosen.turn_cutoff)
     yield
     start = graph.start()
@@ -66,7 +66,7 @@ def inliers(graph: Graph, at: Linearised, cutoff: float) -> FloatArray:
     return (_chi2(graph, at) <= cutoff**2).astype(float)
 
 
-def _credible(graph: Graph, at: Linearised, settings: BackendSettings) -> bool:
+def _credible(graph: Graph, at: Linearised, settings: OptimizerSettings) -> bool:
     believed = inliers(graph, at, settings.cutoff)
     if len(believed) == 0 or believed.mean() >= 0.5:
         return True
@@ -79,7 +79,7 @@ def _chi2(graph: Graph, at: Linearised) -> FloatArray:
 
 
 def _best(
-    graph: Graph, start: State, at: Linearised, settings: BackendSettings, doubted: BoolArray | None
+    graph: Graph, start: State, at: Linearised, settings: OptimizerSettings, doubted: BoolArray | None
 ) -> Slices[End]:
     """Return the better end of two ways: all that odometry allows, or first those that support one another."""
     fitting = inliers(graph, at, settings.cutoff) > 0
@@ -99,7 +99,7 @@ def _best(
     return state, there, first[2] + second[2]
 
 
-def _end(graph: Graph, start: State, at: Linearised, schedule: Weighing, settings: BackendSettings) -> Slices[End]:
+def _end(graph: Graph, start: State, at: Linearised, schedule: Weighing, settings: OptimizerSettings) -> Slices[End]:
     try:
         state, there, steps = yield from _anneal(graph, start, at, schedule, settings.cutoff)
         return (yield from _settle(graph, state, there, settings, steps))
@@ -121,7 +121,7 @@ def _anneal(graph: Graph, state: State, at: Linearised, schedule: Weighing, cuto
     return state, at, steps
 
 
-def _settle(graph: Graph, state: State, at: Linearised, settings: BackendSettings, done: int) -> Slices[End]:
+def _settle(graph: Graph, state: State, at: Linearised, settings: OptimizerSettings, done: int) -> Slices[End]:
     for iteration in range(settings.iterations):
         yield
         state, at, move = graph.step(state, at, inliers(graph, at, settings.cutoff))

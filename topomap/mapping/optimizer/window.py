@@ -11,7 +11,7 @@ from topomap.core.arrays import FloatArray, IntArray
 from topomap.core.geometry import between, compose
 from topomap.mapping.odometry.increments import Calibration
 from topomap.mapping.optimizer.problem import UNKNOWN_HEADING, Closures, OdometryEdge, Problem, Solution, TurnEdge
-from topomap.mapping.optimizer.settings import BackendSettings
+from topomap.mapping.optimizer.settings import OptimizerSettings
 from topomap.mapping.optimizer.solver import solve
 from topomap.mapping.uncertainty.odometry_chain import turned_by
 
@@ -32,7 +32,7 @@ def solve_recent(
     closures: Closures,
     turns: Sequence[TurnEdge],
     calibration: Calibration,
-    settings: BackendSettings | None = None,
+    settings: OptimizerSettings | None = None,
 ) -> Recent:
     """Solve the nodes of the newest odometry edges; the work doesn't grow with the map.
 

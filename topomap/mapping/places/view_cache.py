@@ -9,7 +9,7 @@ from topomap.mapping.graph import Snapshot, TopoMap
 from topomap.vision.image.decode import decode
 
 
-class Album:
+class ViewCache:
     """Panoramas of snapshot nodes: the most recently used are kept with all that was derived from them."""
 
     def __init__(self, topo: TopoMap, size: int = 256) -> None:

@@ -11,7 +11,7 @@ from topomap.mapping.optimizer import TurnEdge
 from topomap.mapping.uncertainty.odometry_chain import Chain
 
 
-class GrowingChain:
+class IncrementalChain:
     """Follows a map that grows at its end and is moved now and then, with the turns measured between its snapshots.
 
     turns: grows, too; each ends at a snapshot and begins at the one before it.

@@ -11,23 +11,23 @@ from scipy.special import chdtri
 from topomap.core.arrays import FloatArray, IntArray
 from topomap.core.geometry import Pose2
 from topomap.mapping.graph import TopoMap
-from topomap.mapping.optimisation import Correction
+from topomap.mapping.optimisation import Optimisation
 from topomap.mapping.optimizer.problem import ClosureEdge
-from topomap.mapping.uncertainty.incremental_chain import GrowingChain
+from topomap.mapping.uncertainty.incremental_chain import IncrementalChain
 from topomap.mapping.uncertainty.odometry_chain import Chain, carried_to_origin
 from topomap.mapping.uncertainty.path_covariance import best_way, seen_from_all, turned
 
 LATEST = 3  # closures over which a shorter way is looked for
 
 
-class Ways:
+class Reachability:
     """Covariances along the travelled chain, short cuts over closures included; follows the map as it changes."""
 
-    def __init__(self, topo: TopoMap, correction: Correction, sigma: float, probability: float) -> None:
+    def __init__(self, topo: TopoMap, optimisation: Optimisation, sigma: float, probability: float) -> None:
         """sigma [m]: how far apart the two spots of a true closure may lie; probability of a true one to pass."""
         self._map = topo
-        self._correction = correction
-        self._growing = GrowingChain(topo, correction.neighbours.turns)
+        self._optimisation = optimisation
+        self._incremental = IncrementalChain(topo, optimisation.sequential.turns)
         self._variance = sigma**2
         self._limit = float(chdtri(2, 1 - probability))
         self._made: tuple[int, int, int] | None = None
@@ -62,10 +62,10 @@ class Ways:
         return possible
 
     def _current(self) -> Chain:
-        state = (len(self._map.nodes), len(self._map.closures), self._correction.solves)
+        state = (len(self._map.nodes), len(self._map.closures), self._optimisation.solves)
         if self._made != state or self._chain is None:
             self._made = state
-            self._chain = self._growing.current(self._correction.covariance)
+            self._chain = self._incremental.current(self._optimisation.covariance)
             self._place = np.empty(len(self._map.chain), np.int64)
             self._place[self._map.chain] = np.arange(len(self._map.chain))
             self._informations = self._seen_from_all(self._chain)

@@ -67,27 +67,27 @@ class ActiveCheck:
 
     def _begin(self, mapper: Mapper) -> _Approach | None:
         """Start with the newest candidate that is pending, not far behind and untried."""
-        survey, topo = mapper.survey, mapper.map
+        track, topo = mapper.track, mapper.map
         for candidate in reversed(mapper.ledger.pending):
             assert candidate.query is not None
-            near = survey.travel - topo.nodes[candidate.query].travel <= self._s.way
+            near = track.travel - topo.nodes[candidate.query].travel <= self._s.way
             if near and key_of(candidate) not in self._tried:
                 self._tried.add(key_of(candidate))
-                turned = survey.pose.heading - topo.pose(candidate.query).heading - survey.turn
+                turned = track.pose.heading - topo.pose(candidate.query).heading - track.turn
                 rotation = wrap(candidate.relative.heading + turned)
-                return _Approach(candidate, _goals(candidate.match, topo), rotation, survey.travel)
+                return _Approach(candidate, _goals(candidate.match, topo), rotation, track.travel)
         return None
 
     def _follow(self, approach: _Approach, panorama: Panorama, contact: bool, mapper: Mapper) -> tuple[Command, Travel]:
         """Look, then go on homing or end the check."""
         approach.steps += 1
         goal = approach.goals[0]
-        view = mapper.album.panorama(goal)
+        view = mapper.view_cache.panorama(goal)
         aside = _heading(approach.candidate.match, mapper) - _heading(goal, mapper)
-        alignment = self._homing.align(panorama, view, wrap(approach.rotation + mapper.survey.turn + aside))
+        alignment = self._homing.align(panorama, view, wrap(approach.rotation + mapper.track.turn + aside))
         approach.rotation = wrap(alignment.rotation - aside)
         difference = aligned_difference(panorama, view, alignment.rotation)
-        way = mapper.survey.travel - approach.began
+        way = mapper.track.travel - approach.began
         if not approach.seen or way - approach.seen[-1][0] >= self._s.apart:
             approach.seen.append((way, difference))
         travel = Travel(Phase.TRAVEL, goal, alignment.home, difference, note="active check")
@@ -109,7 +109,7 @@ class ActiveCheck:
             return self._end(approach, mapper, travel, "no home vector")
         approach.goals.pop(0)
         approach.seen.clear()
-        approach.began = mapper.survey.travel
+        approach.began = mapper.track.travel
         return Command(), travel
 
     def _end(self, approach: _Approach, mapper: Mapper, travel: Travel, obstacle: str) -> tuple[Command, Travel]:
