@@ -9,7 +9,7 @@ import numpy as np
 from topomap.core.arrays import FloatArray
 from topomap.core.geometry import Pose2, between
 from topomap.mapping.odometry.increments import Calibration, Increments, track
-from topomap.mapping.optimizer import ClosureEdge, Closures, OdometryEdge, Problem
+from topomap.mapping.optimizer import ClosureEdge, Closures, OdometryEdge, OdometryEdges, Problem
 
 PER_NODE = 5
 TRUE = Calibration(rotation_scale=1.04, curvature=0.003, distance_scale=0.95)
@@ -60,7 +60,9 @@ def ring(
     """Return a ring whose second lap meets the first, a share of the closures false."""
     rng = np.random.default_rng(1000 + seed)
     truth, read = drive(seed, nodes, length, back)
-    edges = tuple(OdometryEdge(n, n + 1, read[PER_NODE * n : PER_NODE * n + PER_NODE]) for n in range(nodes))
+    edges = OdometryEdges.of(
+        [OdometryEdge(n, n + 1, read[PER_NODE * n : PER_NODE * n + PER_NODE]) for n in range(nodes)]
+    )
     wrong = rng.random(closures) < false
     closing = [
         _closure(rng, truth, int(q), bool(w), nodes) for q, w in zip(_queries(nodes, closures), wrong, strict=True)

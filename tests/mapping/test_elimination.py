@@ -10,7 +10,7 @@ from ring import ring
 
 from topomap.core.errors import TopomapError
 from topomap.mapping.optimizer import AxisEdge, Problem, TurnEdge, objective
-from topomap.mapping.optimizer.objective import Graph
+from topomap.mapping.optimizer.objective import Objective
 
 
 def problem() -> Problem:
@@ -22,7 +22,7 @@ def problem() -> Problem:
 
 
 def solved(made: Problem, keep_all: bool, monkeypatch: pytest.MonkeyPatch) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    graph = Graph(made, 3.0)
+    graph = Objective(made, 3.0)
     at = graph.linearise(graph.start())
     if keep_all:
         plain = objective.condense
@@ -40,7 +40,7 @@ def test_leaving_nodes_out_changes_nothing(monkeypatch: pytest.MonkeyPatch) -> N
 
 def test_a_chain_without_closures_follows_its_odometry() -> None:
     made = replace(ring(2, nodes=30, length=30, closures=0).problem, turns=())
-    graph = Graph(made, 3.0)
+    graph = Objective(made, 3.0)
     poses, calibration = graph.system(graph.linearise(graph.start()), np.zeros(0)).solve()
     assert np.allclose(poses, 0.0, atol=1e-9)
     assert np.allclose(calibration, 0.0, atol=1e-9)
@@ -48,7 +48,7 @@ def test_a_chain_without_closures_follows_its_odometry() -> None:
 
 def test_a_map_of_one_node_is_determined() -> None:
     one = Problem(np.zeros((1, 3)), ())
-    graph = Graph(one, 3.0)
+    graph = Objective(one, 3.0)
     poses, _ = graph.system(graph.linearise(graph.start()), np.zeros(0)).solve()
     assert poses.shape == (1, 3)
 
@@ -56,6 +56,6 @@ def test_a_map_of_one_node_is_determined() -> None:
 def test_nodes_off_the_chain_are_undetermined() -> None:
     made = ring(2, nodes=10, length=10, closures=0).problem
     cut = replace(made, odometry=made.odometry[:5])
-    graph = Graph(cut, 3.0)
+    graph = Objective(cut, 3.0)
     with pytest.raises(TopomapError, match="isn't determined"):
         graph.system(graph.linearise(graph.start()), np.zeros(0)).solve()

@@ -23,11 +23,11 @@ from topomap.mapping.optimizer import (
     solve,
     solving,
 )
-from topomap.mapping.optimizer.objective import Graph, State
+from topomap.mapping.optimizer.objective import Objective, State
 from topomap.mapping.optimizer.residuals import Residuals, closure_residuals
 
 
-def by_differences(graph: Graph, state: State, part: str, node: int, axis: int) -> np.ndarray:
+def by_differences(graph: Objective, state: State, part: str, node: int, axis: int) -> np.ndarray:
     moved = []
     for sign in (1, -1):
         poses = state.poses.copy()
@@ -45,7 +45,7 @@ def test_pose_jacobians_against_differences(part: str) -> None:
     relative = problem.closures.relative + np.array([0.3, -0.2, 0.1])
     closures = replace(problem.closures, covariance=mixed, relative=relative)
     problem = replace(problem, closures=closures, turns=(TurnEdge(3, 4, 0.2, 0.05),))
-    graph, state = Graph(problem, 3.0), State(problem.poses, TRUE)
+    graph, state = Objective(problem, 3.0), State(problem.poses, TRUE)
     blocks: Residuals = getattr(graph.linearise(state), part)
     for k in range(len(blocks.i)):
         if part == "closures" and k >= 2:
@@ -61,7 +61,7 @@ def test_pose_jacobians_against_differences(part: str) -> None:
 
 def test_calibration_jacobian_against_differences() -> None:
     problem = ring(0, nodes=24, length=24, closures=2).problem
-    graph = Graph(problem, 3.0)
+    graph = Objective(problem, 3.0)
     blocks = graph.linearise(State(problem.poses, TRUE)).odometry
     assert blocks.by_calibration is not None
     for axis, step in enumerate(np.eye(3) * 1e-6):

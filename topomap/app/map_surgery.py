@@ -12,7 +12,7 @@ from topomap.core.errors import TopomapError
 from topomap.core.geometry import Pose2
 from topomap.mapping.graph import TopoMap
 from topomap.mapping.mapfile import load_map, save_map
-from topomap.mapping.optimizer import ClosureEdge, Closures, OdometryEdge, Problem, Solution, solve
+from topomap.mapping.optimizer import ClosureEdge, Closures, OdometryEdge, OdometryEdges, Problem, Solution, solve
 from topomap.mapping.places.view_cache import ViewCache
 from topomap.vision.image.compare import rotation_difference, signature
 
@@ -102,7 +102,7 @@ def _solved(topo: TopoMap, path: Path, out: Path, what: str) -> Surgery:
 
 
 def _solve(topo: TopoMap) -> Solution:
-    edges = tuple(OdometryEdge(a, b, increments) for a, b, increments in topo.odometry_edges())
+    edges = OdometryEdges.of([OdometryEdge(*edge) for edge in topo.odometry_edges()])
     if not edges:
         raise TopomapError("a map of one node can't be solved")
     return solve(

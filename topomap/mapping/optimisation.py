@@ -17,6 +17,7 @@ from topomap.mapping.optimizer import (
     ClosureEdge,
     Closures,
     OdometryEdge,
+    OdometryEdges,
     OptimizerSettings,
     Problem,
     Slices,
@@ -168,7 +169,7 @@ class Optimisation:
         sigma = scale.sigma / scale.value if scale.observed else HELD
         return Problem(
             self._map.poses.copy(),
-            tuple(OdometryEdge(a, b, increments) for a, b, increments in self._map.odometry_edges()),
+            OdometryEdges.of([OdometryEdge(*edge) for edge in self._map.odometry_edges()]),
             Closures.of([edge for edge, _ in self._closures]),
             tuple(self.sequential.turns),
             self._map.calibration,

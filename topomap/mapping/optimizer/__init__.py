@@ -1,6 +1,15 @@
 """The door to gtsam: a pose graph with unknown odometry errors in, corrected poses out."""
 
-from topomap.mapping.optimizer.problem import AxisEdge, ClosureEdge, Closures, OdometryEdge, Problem, Solution, TurnEdge
+from topomap.mapping.optimizer.problem import (
+    AxisEdge,
+    ClosureEdge,
+    Closures,
+    OdometryEdge,
+    OdometryEdges,
+    Problem,
+    Solution,
+    TurnEdge,
+)
 from topomap.mapping.optimizer.settings import OptimizerSettings
 from topomap.mapping.optimizer.solver import Slices, solve, solving
 from topomap.mapping.optimizer.window import Recent, solve_recent
@@ -10,6 +19,7 @@ __all__ = [
     "ClosureEdge",
     "Closures",
     "OdometryEdge",
+    "OdometryEdges",
     "OptimizerSettings",
     "Problem",
     "Recent",

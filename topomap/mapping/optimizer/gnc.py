@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from topomap.core.arrays import FloatArray
-from topomap.mapping.optimizer.objective import Graph, geman_mcclure
+from topomap.mapping.optimizer.objective import Objective, geman_mcclure
 from topomap.mapping.optimizer.problem import UNKNOWN_HEADING
 from topomap.mapping.optimizer.residuals import closure_chi2
 from topomap.mapping.optimizer.settings import OptimizerSettings
@@ -25,7 +25,7 @@ class Schedule:
     and that allowance shrinks: a true closure of a long loop may begin far off, a false one of a short path mayn't.
     """
 
-    def __init__(self, graph: Graph, settings: OptimizerSettings) -> None:
+    def __init__(self, graph: Objective, settings: OptimizerSettings) -> None:
         self._closures = graph.problem.closures
         self._settings = settings
         self._chain, position = graph.chain()

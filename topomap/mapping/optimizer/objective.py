@@ -8,7 +8,7 @@ import numpy as np
 
 from topomap.core.arrays import BoolArray, FloatArray, IntArray
 from topomap.core.geometry import wrap_all
-from topomap.mapping.odometry.increments import Calibration, EdgeIncrements
+from topomap.mapping.odometry.increments import Calibration
 from topomap.mapping.optimizer.calibration_jacobian import calibration_jacobian, with_calibration
 from topomap.mapping.optimizer.elimination import Condensed, condense
 from topomap.mapping.optimizer.linear_system import LinearSystem
@@ -23,6 +23,7 @@ from topomap.mapping.optimizer.residuals import (
 from topomap.mapping.uncertainty.odometry_chain import Chain
 
 WEIGHTLESS = 1e-6  # a closure with less weight is left out of the system
+FIRM = 1e-5  # prior sigmas up to which a calibration is held
 LARGEST_STEP = np.array([0.1, 0.02, 0.1])  # of the calibration: keeps the linearisation honest
 
 
@@ -60,13 +61,13 @@ class Linearised:
     calibration_jacobian: FloatArray
 
 
-class Graph:
+class Objective:
     """A problem in one piece: evaluates and linearises it at any state."""
 
     def __init__(self, problem: Problem, turn_cutoff: float) -> None:
         self.problem = problem
-        self._edges = EdgeIncrements.of([e.increments for e in problem.odometry])
-        self._pairs = _pairs([(e.i, e.j) for e in problem.odometry])
+        self._edges = problem.odometry.increments
+        self._pairs = np.column_stack([problem.odometry.i, problem.odometry.j])
         self._turn_pairs = _pairs([(t.i, t.j) for t in problem.turns])
         self._turns = np.array([(t.turn, t.sigma) for t in problem.turns]).reshape(-1, 2)
         self._axis_pairs = _pairs([(a.i, a.j) for a in problem.axes])
@@ -77,6 +78,11 @@ class Graph:
         self._axis_on_edge = self._on_edge(self._axis_pairs)
         self._turn_cutoffs = turn_cutoff * np.sqrt(1.0 + self._turn_allowance() / self._turns[:, 1] ** 2)
         self._axis_cutoff = turn_cutoff
+
+    @property
+    def held(self) -> FloatArray | None:
+        """The calibration's covariance (3, 3) where the problem holds it: no closure can tell anything of it then."""
+        return np.diag(self._sigmas**2) if float(self._sigmas.max()) <= FIRM else None
 
     def _on_edge(self, pairs: IntArray) -> BoolArray:
         """Return which of some pairs (n, 2) are neighbours on the way, in its direction, each edge's first only."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +11,7 @@ from numpy.typing import NDArray
 from topomap.core.arrays import FloatArray, IntArray
 from topomap.core.errors import TopomapError
 from topomap.core.geometry import Pose2
-from topomap.mapping.odometry.increments import Calibration, Increments
+from topomap.mapping.odometry.increments import Calibration, EdgeIncrements, Increments
 
 UNKNOWN_HEADING = 1.0  # [rad^2] a heading variance above this says that the heading isn't known
 PRIOR_SIGMAS = (0.05, 0.01, 0.1)  # log rotation scale, curvature [rad/m], log distance scale
@@ -25,6 +24,27 @@ class OdometryEdge:
     i: int
     j: int
     increments: Increments
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class OdometryEdges:
+    """E odometry edges in one piece, in travel order: i, j (E,) and their raw increments."""
+
+    i: IntArray
+    j: IntArray
+    increments: EdgeIncrements
+
+    def __len__(self) -> int:
+        return len(self.i)
+
+    @staticmethod
+    def of(edges: Sequence[OdometryEdge]) -> OdometryEdges:
+        """Return the edges in one piece."""
+        return OdometryEdges(
+            np.array([edge.i for edge in edges], np.int64),
+            np.array([edge.j for edge in edges], np.int64),
+            EdgeIncrements.of([edge.increments for edge in edges]),
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,7 +127,7 @@ class Problem:
     """
 
     poses: FloatArray
-    odometry: tuple[OdometryEdge, ...]
+    odometry: OdometryEdges
     closures: Closures = field(default_factory=no_closures)
     turns: tuple[TurnEdge, ...] = ()
     calibration: Calibration = field(default_factory=Calibration)
@@ -125,21 +145,27 @@ class Problem:
         self._check_numbers()
 
     def _check_ids(self) -> None:
-        pairs = [(e.i, e.j) for e in self.odometry] + [(t.i, t.j) for t in self.turns] + [(a.i, a.j) for a in self.axes]
-        ends = np.concatenate([np.array(pairs, np.int64).reshape(-1), self.closures.i, self.closures.j])
-        if ends.size and (ends.min() < 0 or ends.max() >= len(self.poses)):
+        pairs = [(t.i, t.j) for t in self.turns] + [(a.i, a.j) for a in self.axes]
+        i, j = np.array(pairs, np.int64).reshape(-1, 2).T
+        starts, ends = (
+            np.concatenate(part)
+            for part in ((self.odometry.i, i, self.closures.i), (self.odometry.j, j, self.closures.j))
+        )
+        named = np.concatenate([starts, ends])
+        if named.size and (named.min() < 0 or named.max() >= len(self.poses)):
             raise TopomapError(f"an edge names a node outside 0..{len(self.poses) - 1}")
-        if any(i == j for i, j in pairs) or bool((self.closures.i == self.closures.j).any()):
+        if bool((starts == ends).any()):
             raise TopomapError("an edge joins a node with itself")
-        for a, b in pairwise(self.odometry):
-            if a.j != b.i:
-                raise TopomapError(f"the odometry breaks between nodes {a.j} and {b.i}; edges follow the way travelled")
+        breaks = np.flatnonzero(self.odometry.j[:-1] != self.odometry.i[1:])
+        if len(breaks):
+            a, b = self.odometry.j[breaks[0]], self.odometry.i[breaks[0] + 1]
+            raise TopomapError(f"the odometry breaks between nodes {a} and {b}; edges follow the way travelled")
 
     def _check_numbers(self) -> None:
-        increments = [e.increments for e in self.odometry]
+        increments = self.odometry.increments
         named = {
             "poses": [self.poses],
-            "odometry": [x.reshape(-1) for e in increments for x in (e.deltas, e.covariances)],
+            "odometry": [increments.deltas, increments.covariances],
             "closures": [self.closures.relative, self.closures.covariance, self.closures.weight],
             "turn observations": [np.array([(t.turn, t.sigma) for t in self.turns], float)],
             "calibration": [self.calibration.vector(), self.prior.vector(), np.array(self.prior_sigmas)],

@@ -10,7 +10,7 @@ import numpy as np
 from topomap.core.arrays import BoolArray, FloatArray
 from topomap.core.errors import TopomapError
 from topomap.mapping.optimizer.gnc import Schedule, Weighing
-from topomap.mapping.optimizer.objective import Graph, Linearised, State
+from topomap.mapping.optimizer.objective import Linearised, Objective, State
 from topomap.mapping.optimizer.problem import Problem, Solution
 from topomap.mapping.optimizer.settings import OptimizerSettings
 
@@ -45,7 +45,7 @@ def solving(
     doubted (M,): closures that were out when the start was found. Where all others fit the start nothing is annealed.
     """
     chosen = settings or OptimizerSettings()
-    graph = Graph(problem, chosen.turn_cutoff)
+    graph = Objective(problem, chosen.turn_cutoff)
     yield
     start = graph.start()
     at_start = graph.linearise(start)
@@ -57,29 +57,29 @@ def solving(
         state, at = start, at_start
     yield
     weights = inliers(graph, at, chosen.cutoff)
-    covariance = graph.system(at, weights).covariance()
+    covariance = graph.held if graph.held is not None else graph.system(at, weights).covariance()
     return Solution(state.poses, state.calibration, covariance, weights, before, after, iterations, improved)
 
 
-def inliers(graph: Graph, at: Linearised, cutoff: float) -> FloatArray:
+def inliers(graph: Objective, at: Linearised, cutoff: float) -> FloatArray:
     """Return (M,) 1 for the closures within the cutoff [sigmas], 0 for the others."""
     return (_chi2(graph, at) <= cutoff**2).astype(float)
 
 
-def _credible(graph: Graph, at: Linearised, settings: OptimizerSettings) -> bool:
+def _credible(graph: Objective, at: Linearised, settings: OptimizerSettings) -> bool:
     believed = inliers(graph, at, settings.cutoff)
     if len(believed) == 0 or believed.mean() >= 0.5:
         return True
     return bool((Schedule(graph, settings).agreement(believed > 0) > 0).any())
 
 
-def _chi2(graph: Graph, at: Linearised) -> FloatArray:
+def _chi2(graph: Objective, at: Linearised) -> FloatArray:
     """The closures' squared errors without their weights: a light one has to fit as well."""
     return at.closures.chi2() / np.maximum(graph.problem.closures.weight, 1e-12)
 
 
 def _best(
-    graph: Graph, start: State, at: Linearised, settings: OptimizerSettings, doubted: BoolArray | None
+    graph: Objective, start: State, at: Linearised, settings: OptimizerSettings, doubted: BoolArray | None
 ) -> Slices[End]:
     """Return the better end of two ways: all that odometry allows, or first those that support one another."""
     fitting = inliers(graph, at, settings.cutoff) > 0
@@ -99,7 +99,9 @@ def _best(
     return state, there, first[2] + second[2]
 
 
-def _end(graph: Graph, start: State, at: Linearised, schedule: Weighing, settings: OptimizerSettings) -> Slices[End]:
+def _end(
+    graph: Objective, start: State, at: Linearised, schedule: Weighing, settings: OptimizerSettings
+) -> Slices[End]:
     try:
         state, there, steps = yield from _anneal(graph, start, at, schedule, settings.cutoff)
         return (yield from _settle(graph, state, there, settings, steps))
@@ -109,7 +111,7 @@ def _end(graph: Graph, start: State, at: Linearised, schedule: Weighing, setting
         return start, at, 0
 
 
-def _anneal(graph: Graph, state: State, at: Linearised, schedule: Weighing, cutoff: float) -> Slices[End]:
+def _anneal(graph: Objective, state: State, at: Linearised, schedule: Weighing, cutoff: float) -> Slices[End]:
     """Follow the schedule until every closure fits or it ends."""
     steps = 0
     for weigh in schedule:
@@ -121,7 +123,7 @@ def _anneal(graph: Graph, state: State, at: Linearised, schedule: Weighing, cuto
     return state, at, steps
 
 
-def _settle(graph: Graph, state: State, at: Linearised, settings: OptimizerSettings, done: int) -> Slices[End]:
+def _settle(graph: Objective, state: State, at: Linearised, settings: OptimizerSettings, done: int) -> Slices[End]:
     for iteration in range(settings.iterations):
         yield
         state, at, move = graph.step(state, at, inliers(graph, at, settings.cutoff))

@@ -10,7 +10,15 @@ import numpy as np
 from topomap.core.arrays import FloatArray, IntArray
 from topomap.core.geometry import between, compose
 from topomap.mapping.odometry.increments import Calibration
-from topomap.mapping.optimizer.problem import UNKNOWN_HEADING, Closures, OdometryEdge, Problem, Solution, TurnEdge
+from topomap.mapping.optimizer.problem import (
+    UNKNOWN_HEADING,
+    Closures,
+    OdometryEdge,
+    OdometryEdges,
+    Problem,
+    Solution,
+    TurnEdge,
+)
 from topomap.mapping.optimizer.settings import OptimizerSettings
 from topomap.mapping.optimizer.solver import solve
 from topomap.mapping.uncertainty.odometry_chain import turned_by
@@ -45,7 +53,7 @@ def solve_recent(
     heard = np.flatnonzero(place[closures.j] > 0)
     problem = Problem(
         poses[nodes],
-        tuple(OdometryEdge(k, k + 1, edge.increments) for k, edge in enumerate(odometry)),
+        OdometryEdges.of([OdometryEdge(k, k + 1, edge.increments) for k, edge in enumerate(odometry)]),
         _hung(poses, int(nodes[0]), place, closures[heard]),
         tuple(
             TurnEdge(int(place[t.i]), int(place[t.j]), t.turn, t.sigma)

@@ -1,0 +1,88 @@
+"""The tests that a claim passes, each a log likelihood ratio: what it saw if the claim is true over if it is false."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from topomap.core.arrays import FloatArray, IntArray
+from topomap.mapping.closures.claims import Claims
+from topomap.mapping.closures.odds import log_chance, log_crowding, log_density, mahalanobis
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Knowledge:
+    """What the map knows of n claims without believing them.
+
+    poses (N, 3); errors (n, 3, 3): of the map between the claims' places, about the origin; size (n,): how many
+    neighbouring claims each agrees with, itself included; prevalence (n,): log of how many such claims are true for one
+    that is false.
+    """
+
+    poses: FloatArray
+    errors: FloatArray
+    size: IntArray
+    prevalence: FloatArray
+
+    def among(self, part: IntArray) -> Knowledge:
+        """Return what is known of some (n,) of the claims."""
+        return Knowledge(self.poses, self.errors[part], self.size[part], self.prevalence[part])
+
+
+class ClosureTest(Protocol):
+    """A stage of the engine. Tests are asked in order; those behind are asked only of claims that are still likely."""
+
+    @property
+    def name(self) -> str: ...
+
+    def weigh(self, claims: Claims, knowledge: Knowledge) -> FloatArray:
+        """Return (n,) log likelihood ratios of n claims; minus infinity refuses."""
+
+
+@dataclass(frozen=True, slots=True)
+class Looks:
+    """What the source of the claims saw."""
+
+    name: str = "looks"
+
+    def weigh(self, claims: Claims, knowledge: Knowledge) -> FloatArray:
+        """Return the claims' own log likelihood ratios (n,)."""
+        return claims.looks
+
+
+@dataclass(frozen=True, slots=True)
+class Prevalence:
+    """How often such claims, alone or in clusters of that size, are true in these data."""
+
+    name: str = "prevalence"
+
+    def weigh(self, claims: Claims, knowledge: Knowledge) -> FloatArray:
+        """Return the log prior odds (n,)."""
+        return knowledge.prevalence
+
+
+@dataclass(frozen=True, slots=True)
+class Odometry:
+    """How well the map, by odometry and the closures that stand, agrees, against a claim of any two places."""
+
+    name: str = "odometry"
+
+    def weigh(self, claims: Claims, knowledge: Knowledge) -> FloatArray:
+        """Return the log density of each claim (n,) by the map over that of any claim."""
+        chi2, determinant = mahalanobis(claims, knowledge.poses, knowledge.errors)
+        blind = claims.blind
+        return log_density(chi2, determinant, blind) - log_chance(knowledge.poses, blind)
+
+
+@dataclass(frozen=True, slots=True)
+class Crowding:
+    """How many other places stand as the claim says: where places lie on a lattice, false claims fit more often."""
+
+    name: str = "crowding"
+
+    def weigh(self, claims: Claims, knowledge: Knowledge) -> FloatArray:
+        """Return what is to be taken off (n,)."""
+        return -log_crowding(claims, knowledge.poses, knowledge.errors)
+
+
+TESTS: tuple[ClosureTest, ...] = (Looks(), Prevalence(), Odometry(), Crowding())

@@ -1,0 +1,55 @@
+"""Clusters: claims of neighbouring places that agree with one another, and so are one piece of evidence, not many."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from topomap.core.arrays import FloatArray, IntArray
+from topomap.mapping.closures.agreement_kernels import short_loops
+from topomap.mapping.closures.claims import Claims
+from topomap.mapping.uncertainty.odometry_chain import Chain
+
+WINDOW = 5  # places to either side: odometry between them is as good as known, and groups of false claims are as long
+AGREE = 16.3  # chi-squared of 3 dof that 99.9 % of right loops stay within
+STRIDE = 8  # places from one representative of a cluster to the next
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Clusters:
+    """label (M,): each claim's cluster, from 0; size (K,): claims in a cluster; representatives (R,): some claims of
+    each cluster, one in every 8 places of i, those with which most others agree.
+    """
+
+    label: IntArray
+    size: IntArray
+    representatives: IntArray
+
+    def __len__(self) -> int:
+        return len(self.size)
+
+
+def clusters_of(claims: Claims, chain: Chain) -> Clusters:
+    """Return the clusters of claims, which stand in order of i, then of j."""
+    a, b, _ = loops_of(claims, chain, np.arange(len(claims)), AGREE)
+    count, label = connected_components(coo_array((np.ones(len(a)), (a, b)), (len(claims), len(claims))), False)
+    agreeing = np.bincount(np.concatenate([a, b]), minlength=len(claims))
+    cell = label.astype(np.int64) * (len(chain.poses) // STRIDE + 1) + claims.i // STRIDE
+    order = np.lexsort((-agreeing, cell))
+    _, best = np.unique(cell[order], return_index=True)
+    return Clusters(label.astype(np.int64), np.bincount(label, minlength=count), np.sort(order[best]))
+
+
+def loops_of(claims: Claims, chain: Chain, asked: IntArray, limit: float) -> tuple[IntArray, IntArray, FloatArray]:
+    """Return pairs a, b (P,) of neighbouring claims and the squared Mahalanobis distance (P,) their loops miss by.
+
+    asked (n,): which claims are taken as a; limit: loops that miss by more aren't returned.
+    """
+    first = np.searchsorted(claims.i, np.arange(len(chain.poses) + 1))
+    return short_loops(
+        claims.i, claims.j, claims.relative, claims.covariance, claims.blind, chain.poses, chain.random, first,
+        WINDOW, limit, asked,
+    )  # fmt: skip

@@ -1,0 +1,93 @@
+"""How well the map knows one place from another: covariances along the best known path over odometry and closures."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from topomap.core.arrays import FloatArray, IntArray
+from topomap.mapping.uncertainty.network_kernels import NEVER, bounds, path_errors, tree_errors
+from topomap.mapping.uncertainty.odometry_chain import Chain, carried_to_origin
+
+ROOTS = 24  # nodes from which paths to all others are known; more of them hardly tighten the bound on 10,000 nodes
+
+
+class Edges(NamedTuple):
+    """E edges of a network of N nodes.
+
+    first (N + 1,) and onward (2 E,): each node's edges; start, end (E,): the nodes an edge joins; random (E, 3, 3): its
+    error about the map's origin; systematic (E, 3, 3): what the calibration does to it; label (E,): -1 for odometry.
+    """
+
+    first: IntArray
+    onward: IntArray
+    start: IntArray
+    end: IntArray
+    random: FloatArray
+    systematic: FloatArray
+    label: IntArray
+
+
+class PathNetwork:
+    """The travelled chain and the closures that stand, as a network of errors that add up along a path.
+
+    Errors carried to the map's origin add whatever the path's shape (see `Chain`). The best path is the one with the
+    least variance of heading. Other paths can only add to what is known, so the covariance is an upper bound.
+    """
+
+    def __init__(self, chain: Chain, i: IntArray, j: IntArray, covariance: FloatArray, label: IntArray) -> None:
+        """Take the chain and M closures: i, j (M,) places, covariance (M, 3, 3) of `i_from_j`, label (M,) from 0."""
+        self._chain = chain
+        nodes = len(chain.poses)
+        carry = carried_to_origin(chain.poses[i], chain.poses[j])
+        start = np.concatenate([np.arange(nodes - 1), i])
+        end = np.concatenate([np.arange(1, nodes), j])
+        self._edges = Edges(
+            *_adjacent(start, end, nodes),
+            start,
+            end,
+            np.concatenate([np.diff(chain.random, axis=0), carry @ covariance @ carry.transpose(0, 2, 1)]),
+            np.concatenate([np.diff(chain.systematic, axis=0), np.zeros((len(i), 3, 3))]),
+            np.concatenate([np.full(nodes - 1, NEVER), label]),
+        )
+        self._closed = bool(len(i))
+
+    @staticmethod
+    def of_chain(chain: Chain) -> PathNetwork:
+        """Return the network of the chain alone."""
+        nothing = np.zeros(0, np.int64)
+        return PathNetwork(chain, nothing, nothing, np.zeros((0, 3, 3)), nothing)
+
+    def errors(self, i: IntArray, j: IntArray, without: IntArray | None = None) -> FloatArray:
+        """Return (n, 3, 3) the errors about the origin between places i and j (n,).
+
+        without (n,): closures of this label aren't used, -1 for none.
+        """
+        if not self._closed:
+            return self._along_chain(i, j)
+        skip = np.full(len(i), NEVER) if without is None else without
+        return np.asarray(path_errors(*self._edges, self._chain.calibration, i, j, skip))
+
+    def upper_bounds(self, i: IntArray, j: IntArray) -> FloatArray:
+        """Return (n, 3, 3) errors about the origin that are no smaller than `errors`: by the best of some detours."""
+        if not self._closed:
+            return self._along_chain(i, j)
+        nodes = len(self._chain.poses)
+        roots = np.unique(np.linspace(0, nodes - 1, min(ROOTS, nodes)).astype(np.int64))
+        random, systematic = tree_errors(*self._edges, self._chain.calibration, roots)
+        return np.asarray(bounds(random, systematic, self._chain.calibration, i, j))
+
+    def _along_chain(self, i: IntArray, j: IntArray) -> FloatArray:
+        low, high = np.minimum(i, j), np.maximum(i, j)
+        systematic = self._chain.systematic[high] - self._chain.systematic[low]
+        shared = systematic @ self._chain.calibration @ systematic.transpose(0, 2, 1)
+        return np.asarray(self._chain.random[high] - self._chain.random[low] + shared)
+
+
+def _adjacent(start: IntArray, end: IntArray, nodes: int) -> tuple[IntArray, IntArray]:
+    """Return where each node's edges begin (nodes + 1,) in the list of edges by node (2 E,)."""
+    at = np.concatenate([start, end])
+    edge = np.tile(np.arange(len(start)), 2)
+    order = np.argsort(at, kind="stable")
+    return np.searchsorted(at[order], np.arange(nodes + 1)), edge[order]
