@@ -106,6 +106,12 @@ def test_tens_of_thousands_of_edges_are_read_fast() -> None:
     assert found.names.tolist() == list(range(10000))
 
 
+def test_edges_that_say_toro_and_mean_g2o_are_told_by_their_information(tmp_path: Path) -> None:
+    text = "EDGE2 0 1 1 0 0 4 0 0 9 0 16\nEDGE2 1 2 1 0 0 4 0 0 9 0 16\n"
+    found = read_graph(graph(tmp_path, text))
+    assert np.allclose(found.odometry_covariance, np.diag([1 / 4, 1 / 9, 1 / 16]))
+
+
 def test_what_is_written_is_read_again(tmp_path: Path) -> None:
     rng = np.random.default_rng(0)
     turned = rng.normal(size=(4, 3, 3)) * 0.1
@@ -156,5 +162,5 @@ def test_missing_file(tmp_path: Path) -> None:
     with pytest.raises(DataError, match="can't be read"):
         read_graph(tmp_path / "nothing.g2o")
     (tmp_path / "picture.g2o").write_bytes(b"\x89PNG\xff\xfe")
-    with pytest.raises(DataError, match="picture.g2o: can't be read"):
+    with pytest.raises(DataError, match=r"picture\.g2o: can't be read"):
         read_graph(tmp_path / "picture.g2o")

@@ -10,7 +10,7 @@ import numpy as np
 from topomap.core.arrays import BoolArray, FloatArray, IntArray
 from topomap.core.errors import DataError
 from topomap.core.geometry import between
-from topomap.datasets.g2o.rows import Edges, Vertices, read_rows
+from topomap.datasets.g2o.rows import Edges, Vertices, positive_definite, read_rows
 from topomap.mapping.pose_graph import PoseGraph, gap_covariance
 
 
@@ -80,8 +80,8 @@ def _forward(path: Path, edges: Edges, backwards: BoolArray) -> tuple[FloatArray
 
 def _inverse(path: Path, edges: Edges) -> FloatArray:
     """Return the covariances (E, 3, 3)."""
-    bad = np.linalg.eigvalsh(edges.information)[:, 0] <= 0.0
+    bad = ~positive_definite(edges.information)
     if bad.any():
         line = edges.line[np.argmax(bad)]
         raise DataError(f"{path}:{line}: an edge's information matrix isn't positive definite")
-    return np.linalg.inv(edges.information)
+    return np.asarray(np.linalg.inv(edges.information))

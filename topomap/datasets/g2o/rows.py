@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from topomap.core.arrays import FloatArray, IntArray
+from topomap.core.arrays import BoolArray, FloatArray, IntArray
 from topomap.core.errors import DataError
 
 # where row and column of the information matrix stand among an edge's six last numbers
@@ -49,12 +49,21 @@ def read_rows(path: Path) -> tuple[Edges, Vertices]:
     edges = [_edges(kind, rows) for kind, rows in kinds.items() if kind in UPPER]
     if not edges:
         raise DataError(f"{path}: no edge 'EDGE_SE2' or 'EDGE2'")
-    joined = Edges(*(np.concatenate(part) for part in zip(*edges, strict=True)))
-    order = np.argsort(joined.line)
     vertices = [rows for kind, rows in kinds.items() if kind not in UPPER]
     ids = np.concatenate([np.zeros(0, np.int64), *(rows.ids[:, 0] for rows in vertices)])
-    return Edges(*(part[order] for part in joined)), Vertices(
-        ids, np.concatenate([np.zeros((0, 3)), *(rows.numbers for rows in vertices)])
+    poses = np.concatenate([np.zeros((0, 3)), *(rows.numbers for rows in vertices)])
+    return _in_order(edges), Vertices(ids, poses)
+
+
+def _in_order(parts: list[Edges]) -> Edges:
+    """Return edges of several kinds in the order of the file."""
+    line = np.concatenate([part.line for part in parts])
+    order = np.argsort(line)
+    return Edges(
+        line[order],
+        np.concatenate([part.ends for part in parts])[order],
+        np.concatenate([part.relative for part in parts])[order],
+        np.concatenate([part.information for part in parts])[order],
     )
 
 
@@ -126,7 +135,22 @@ def _is_number(word: str) -> bool:
 
 
 def _edges(kind: str, rows: _Kind) -> Edges:
-    information = np.zeros((len(rows.line), 3, 3))
-    for (row, column), values in zip(UPPER[kind], rows.numbers[:, 3:].T, strict=True):
-        information[:, row, column] = information[:, column, row] = values
+    information = _matrices(kind, rows.numbers[:, 3:])
+    if kind == "EDGE2" and not positive_definite(information).all():
+        # w20000 and others of gtsam's examples say EDGE2 and mean g2o's order, which TORO's can't be mistaken for
+        other = _matrices("EDGE_SE2", rows.numbers[:, 3:])
+        information = other if positive_definite(other).all() else information
     return Edges(rows.line, rows.ids, rows.numbers[:, :3], information)
+
+
+def _matrices(kind: str, numbers: FloatArray) -> FloatArray:
+    """Return symmetric matrices (n, 3, 3) of numbers (n, 6) in the order of a kind of row."""
+    matrices = np.zeros((len(numbers), 3, 3))
+    for (row, column), values in zip(UPPER[kind], numbers.T, strict=True):
+        matrices[:, row, column] = matrices[:, column, row] = values
+    return matrices
+
+
+def positive_definite(matrices: FloatArray) -> BoolArray:
+    """Return (n,) which of symmetric matrices (n, 3, 3) are positive definite."""
+    return np.asarray(np.linalg.eigvalsh(matrices)[:, 0] > 0.0)
