@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -11,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from topomap.app.folder import make_writable
 from topomap.app.wiring import versions
 from topomap.core.arrays import FloatArray, IntArray
 from topomap.core.errors import DataError
@@ -40,7 +40,7 @@ def optimize(path: Path, out: Path | None, progress: Callable[[float, str], None
     """
     graph = read_graph(path)
     folder = out or default_folder(path)
-    _check(folder)
+    make_writable(folder)
     begin = time.perf_counter()
     verdicts = optimise_graph(graph, progress)
     seconds = time.perf_counter() - begin
@@ -70,16 +70,6 @@ def _source(folder: Path) -> str | None:
     except (OSError, ValueError):
         return None
     return str(summary.get("file")) if isinstance(summary, dict) else None
-
-
-def _check(folder: Path) -> None:
-    """Make the folder and see that it can be written, before the work is done."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
-            pass
-    except OSError as error:
-        raise DataError(f"{folder}: the output folder can't be written ({error.strerror})") from error
 
 
 def _texts(path: Path, graph: PoseGraph, verdicts: GraphVerdicts, seconds: float) -> dict[str, str | bytes]:
