@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from graphs import ring_graph, ring_text
 from typer.testing import CliRunner
 
 from topomap.app.bench import available, parse_point, parse_seeds, request, run_study
@@ -113,6 +114,56 @@ def test_the_identity_of_a_world_knows_its_code() -> None:
     assert len(world_recipe("ourlab", 0).identity) == 128
 
 
-def test_an_unknown_pose_graph_is_one_clear_line() -> None:
-    with pytest.raises(DataError, match="no pose graph 'nowhere': neither a file nor"):
+def test_an_unknown_pose_graph_is_one_clear_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("TOPOMAP_DATA", "/somewhere")
+    with pytest.raises(DataError, match="no pose graph 'nowhere': neither a file nor /somewhere/pose-graphs/nowhere"):
         find_graph("nowhere")
+    monkeypatch.delenv("TOPOMAP_DATA")
+    with pytest.raises(DataError, match="set TOPOMAP_DATA to the folder of recorded data"):
+        find_graph("intel")
+
+
+def test_graphs_are_files_recorded_ones_or_examples_of_gtsam(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "pose-graphs").mkdir()
+    for path in (tmp_path / "own.g2o", tmp_path / "pose-graphs" / "intel.g2o"):
+        path.write_text("")
+    monkeypatch.setenv("TOPOMAP_DATA", str(tmp_path))
+    assert find_graph(str(tmp_path / "own.g2o")) == tmp_path / "own.g2o"
+    assert find_graph("intel") == tmp_path / "pose-graphs" / "intel.g2o"
+    assert find_graph("w100").name == "w100.graph"
+
+
+def test_bench_graphs_writes_table_and_a_picture_a_kind(tmp_path: Path) -> None:
+    ring = ring_graph(laps=2, false=0)
+    (tmp_path / "own.g2o").write_text(ring_text(ring))
+    words = ["bench", "graphs", "--graphs", str(tmp_path / "own.g2o"), "--kinds", "random,groups-5", "--shares", "0,.5",
+             "--seeds", "0", "--peers", "DCS", "--limit", "30", "--out", str(tmp_path / "out")]  # fmt: skip
+    result = CliRunner().invoke(app, words)
+    assert result.exit_code == 0, result.output
+    names = {"graphs.json", "graphs.csv", "graphs-random.png", "graphs-groups-5.png"}
+    assert {path.name for path in (tmp_path / "out").iterdir()} == names
+    whole = json.loads((tmp_path / "out" / "graphs.json").read_text())
+    told = [(cell["kind"], cell["false_share"], cell["method"]) for cell in whole["cells"]]
+    cases = (("none", 0.0), ("random", 0.5), ("groups-5", 0.5))
+    assert told == [(kind, share, method) for kind, share in cases for method in ("topomap", "DCS")]
+    assert result.output.count("falls short: ") == len(whole["short"])
+    for line in whole["short"]:
+        assert f"falls short: {line}" in result.output
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--shares", "0,1"], "--shares 0,1: expected numbers from 0 to below 1"),
+        (["--shares", "half"], "--shares half: expected numbers"),
+        (["--kinds", "evil"], "no kind 'evil': there are random, close, "),
+        (["--peers", "Cauchy"], "no peer 'Cauchy': there are DCS, "),
+        (["--graphs", "nowhere"], "no pose graph 'nowhere'"),
+        (["--graphs", "w100", "--out", "/proc/none"], "/proc/none: the output folder can't be written"),
+    ],
+)
+def test_bench_graphs_refuses_in_one_line(words: list[str], message: str, tmp_path: Path) -> None:
+    result = CliRunner().invoke(app, ["bench", "graphs", "--out", str(tmp_path), *words])
+    assert isinstance(result.exception, TopomapError)
+    assert message in str(result.exception)
+    assert "\n" not in str(result.exception)

@@ -7,17 +7,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from graphs import ring_graph
 
-from topomap.bench.pose_graphs.bench import OURS, PeerLimits, averages, bench, to_csv, to_json
-from topomap.bench.pose_graphs.injection import LARGEST, counts, inject
+from topomap.bench.pose_graphs.bench import OURS, Design, bench
+from topomap.bench.pose_graphs.clean import bridged, clean_optimum
+from topomap.bench.pose_graphs.injection import inject
+from topomap.bench.pose_graphs.table import Cell, cells, texts, to_csv, to_json
+from topomap.bench.pose_graphs.targets import shortfalls
 from topomap.core.arrays import FloatArray
 from topomap.core.errors import TopomapError
 from topomap.core.geometry import between, compose
-from topomap.mapping.closures.graph_odometry import odometry_edges, odometry_poses
-from topomap.mapping.closures.growth import map_graph
-from topomap.mapping.odometry.increments import Calibration, EdgeIncrements
+from topomap.evaluation.trajectory import ate
+from topomap.mapping.graph_engine import optimise_graph
+from topomap.mapping.optimizer.peers import PEERS, inliers
 from topomap.mapping.pose_graph import PoseGraph
-from topomap.mapping.uncertainty.odometry_chain import Chain
 
 LAP = 40
 
@@ -42,82 +45,123 @@ def drive(rounds: int = 3, seed: int = 0) -> tuple[PoseGraph, FloatArray]:
     return graph, poses
 
 
-def test_counts_keep_the_share_and_the_limit() -> None:
-    assert counts(785, 0.0) == (785, 0)
-    assert counts(785, 0.2) == (785, 196)
-    for true in (128, 785, 2099, 54312):
-        for share in (0.5, 0.8, 0.9):
-            kept, false = counts(true, share)
-            assert false <= LARGEST
-            assert false / (kept + false) == pytest.approx(share, abs=0.01)
-
-
-def test_injected_closures_are_false_and_repeat_with_the_seed() -> None:
-    graph, truth = drive()
-    found = inject(graph, truth, 0.8, np.random.default_rng(3))
-    again = inject(graph, truth, 0.8, np.random.default_rng(3))
-    assert found.graph.i.tolist() == again.graph.i.tolist()
-    assert found.false.mean() == pytest.approx(0.8, abs=0.01)
-    bad, good = found.graph, found.false
-    error = between(truth[bad.i], truth[bad.j]) - bad.relative
-    off = np.hypot(error[:, 0], error[:, 1])
-    assert off[~good].max() < 0.3
-    turned = np.abs(np.angle(np.exp(1j * error[:, 2])))
-    assert ((off[good] > 1.0) | (turned[good] > np.deg2rad(20))).all()
-
-
-def test_increments_give_the_edges_back() -> None:
-    graph, _ = drive()
-    whole = EdgeIncrements.of([edge.increments for edge in odometry_edges(graph)]).integrate(Calibration())
-    assert np.allclose(whole.deltas(Calibration()), graph.odometry, atol=1e-9)
-    assert np.allclose(whole.covariances(Calibration()), graph.odometry_covariance, atol=1e-9)
-    chain = Chain.of(odometry_poses(graph), whole, Calibration(), np.zeros((3, 3)))
-    assert np.allclose(chain.covariance(np.array([4]), np.array([5]))[0], graph.odometry_covariance[4], atol=1e-9)
+def design(**changes: object) -> Design:
+    return replace(Design(kinds=["random"], shares=[0.5], seeds=[0], peers=[]), **changes)
 
 
 def test_bench_keeps_no_false_one_and_beats_odometry() -> None:
     graph, _ = drive()
-    rows = list(bench(graph, [0], [0.0, 0.5], ["Huber"]))
+    rows = list(bench(graph, design(shares=[0.0, 0.5], peers=["Huber"])))
     ours = [row for row in rows if row.method == OURS]
     assert [row.kept_false for row in ours] == [0, 0]
     assert min(row.recall for row in ours) >= 0.8
     for row in ours:
         assert row.ate_m is not None
         assert row.ate_m < row.odometry_ate_m
-    assert len(json.loads(to_json(rows))["averages"]) == len(averages(rows)) == 4
+    assert [row.building_seconds > 0 for row in rows] == [False, True, False, True]
+    whole = json.loads(to_json(rows, ["a line"]))
+    assert len(whole["cells"]) == len(cells(rows)) == 4
+    assert whole["short"] == ["a line"]
     assert to_csv(rows).count("\n") == 5
-    with pytest.raises(TopomapError, match="no method 'Cauchy'"):
-        list(bench(graph, [0], [0.0], ["Cauchy"]))
+    assert to_csv(rows).startswith("graph,kind,false_share,method,")
+
+
+def test_what_there_is_not_is_refused() -> None:
+    with pytest.raises(TopomapError, match="no peer 'Cauchy': there are DCS, GNC, Huber, Levenberg-Marquardt"):
+        Design(peers=["Cauchy"])
+    with pytest.raises(TopomapError, match="no kind 'evil': there are random, close, groups-5, groups-10, mixed"):
+        Design(kinds=["evil"])
+
+
+def test_without_false_closures_kind_and_seed_change_nothing() -> None:
+    full = Design(shares=[0.0, 0.5], seeds=[3, 4], kinds=["random", "close"])
+    assert full.cells() == [
+        ("none", 0.0, 3), ("random", 0.5, 3), ("random", 0.5, 4), ("close", 0.5, 3), ("close", 0.5, 4)
+    ]  # fmt: skip
 
 
 def test_a_peer_that_takes_too_long_is_stopped_and_says_so() -> None:
     graph, _ = drive()
-    rows = list(bench(graph, [0], [0.5], ["GNC"], PeerLimits(seconds=1e-4)))
-    assert [(row.method, row.stopped) for row in rows] == [(OURS, False), ("GNC", True)]
+    rows = list(bench(graph, design(peers=["GNC", "DCS"], limit=1e-4)))
+    assert [(row.method, row.stopped) for row in rows] == [(OURS, False), ("GNC", True), ("DCS", True)]
     assert rows[1].recall is None
     assert rows[1].ate_m is None
-    assert averages(rows)[1]["stopped"] == 1
+    assert rows[1].building_seconds > 0.0
+    assert cells(rows)[1].stopped == 1
+    assert texts(cells(rows)[1])[:6] == ("square", "random", "50%", "GNC", "1", "1")
+
+
+@pytest.mark.parametrize("method", PEERS)
+def test_every_peer_finds_the_optimum_of_true_closures_where_drift_is_low(method: str) -> None:
+    graph, truth = drive(seed=5)
+    graph = replace(graph, odometry=0.3 * graph.odometry + 0.7 * between(truth[:-1], truth[1:]))
+    peer = PEERS[method]
+    poses, good = inliers(graph, peer.solve(peer.build(graph), graph.nodes))
+    assert ate(poses, truth) < 0.5 * ate(graph.dead_reckoning(), truth)
+    assert good.mean() > 0.9
+
+
+def test_gaps_are_bridged_by_true_closures_before_lago_counts_turns() -> None:
+    """With any heading in its gaps a ring has the optimum that it has with the right ones."""
+    ring = ring_graph(laps=3, false=0, seed=2).without((20, 47, 70, 100))
+    odometry = ring.graph.odometry.copy()
+    odometry[ring.graph.gaps, 2] = [2.9, -1.4, 1.9, -2.5]
+    clean = clean_optimum(replace(ring.graph, odometry=odometry))
+    assert ate(clean, ring.truth) < 0.2
+    apart = ring_graph(laps=2, false=0).without((30,)).graph
+    alone = replace(apart, i=apart.i[:0], j=apart.j[:0], relative=apart.relative[:0], covariance=apart.covariance[:0])
+    assert np.allclose(bridged(alone).odometry, alone.odometry)
+
+
+def cell(method: str, **changes: object) -> Cell:
+    whole = Cell(
+        graph="g", kind="random", false_share=0.5, method=method, runs=3, stopped=0, precision_min=1.0,
+        kept_false_max=0, recall_mean=1.0, recall_min=1.0, ate_m_mean=0.2, ate_m_max=0.2, odometry_ate_m=1.0,
+        seconds_mean=1.0, seconds_max=1.0, building_seconds_mean=0.0,
+    )  # fmt: skip
+    return replace(whole, **changes)
+
+
+@pytest.mark.parametrize(
+    ("ours", "peer", "lines"),
+    [
+        ({}, {}, []),
+        ({"precision_min": 0.99, "kept_false_max": 2}, {}, ["precision 0.9900 < 0.999 (2 false kept)"]),
+        ({"precision_min": None, "recall_mean": 0.0}, {}, ["recall 0.000 < 0.98 x 1.000 (DCS)"]),
+        ({"recall_mean": 0.97}, {}, ["recall 0.970 < 0.98 x 1.000 (DCS)"]),
+        ({"recall_mean": 0.97}, {"precision_min": 0.99}, []),
+        ({"ate_m_max": 1.1}, {}, ["ATE 1.100 m > odometry's 1.000 m"]),
+        ({"ate_m_mean": 0.25}, {}, ["ATE 0.250 m > 1.2 x 0.200 m (DCS)"]),
+        ({"ate_m_mean": 0.05}, {"ate_m_mean": 0.0}, []),
+        ({"ate_m_mean": 0.25}, {"ate_m_mean": 0.1, "stopped": 1}, []),
+        ({"ate_m_mean": None, "ate_m_max": None}, {}, ["no poses"]),
+    ],
+)
+def test_cells_that_fall_short_are_told(ours: dict[str, object], peer: dict[str, object], lines: list[str]) -> None:
+    other = cell("DCS", kind="close", recall_mean=0.0, ate_m_mean=0.0)
+    found = shortfalls([cell(OURS, **ours), cell("DCS", **peer), other])
+    assert found == [f"g, random, 50%: {line}" for line in lines]
 
 
 def test_without_closures_the_map_is_odometry() -> None:
     graph, _ = drive()
     none = np.zeros(0, np.int64)
     bare = replace(graph, i=none, j=none, relative=np.zeros((0, 3)), covariance=np.zeros((0, 3, 3)))
-    found = map_graph(bare)
-    assert np.allclose(found.poses, odometry_poses(bare))
-    assert found.believed.shape == (0,)
+    found = optimise_graph(bare)
+    assert np.allclose(found.poses, bare.dead_reckoning())
+    assert found.inlier.shape == found.log_odds.shape == (0,)
 
 
 def test_all_false_keeps_none() -> None:
     graph, truth = drive()
-    found = inject(graph, truth, 0.5, np.random.default_rng(1))
+    found = inject(graph, truth, "random", 0.5, np.random.default_rng(1))
     bad = found.false
     part = found.graph
     only = replace(part, i=part.i[bad], j=part.j[bad], relative=part.relative[bad], covariance=part.covariance[bad])
-    assert not map_graph(only).believed.any()
+    assert not optimise_graph(only).inlier.any()
 
 
 def test_same_input_same_bytes() -> None:
     graph, truth = drive()
-    found = inject(graph, truth, 0.5, np.random.default_rng(2)).graph
-    assert map_graph(found).poses.tobytes() == map_graph(found).poses.tobytes()
+    found = inject(graph, truth, "random", 0.5, np.random.default_rng(2)).graph
+    assert optimise_graph(found).poses.tobytes() == optimise_graph(found).poses.tobytes()

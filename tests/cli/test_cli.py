@@ -30,6 +30,7 @@ def call(monkeypatch: pytest.MonkeyPatch, *words: str) -> int:
         (["recover", "none.mcap", "out.mcap"], "none.mcap"),
         (["export", "none.mcap", "--tum"], "none.mcap"),
         (["map", "tuc", "none"], "none"),
+        (["optimize", "none.g2o"], "none.g2o: can't be read"),
     ],
 )
 def test_a_mistake_is_one_line_and_exit_code_2(
@@ -49,7 +50,7 @@ def test_a_mistake_is_one_line_and_exit_code_2(
 
 
 @pytest.mark.parametrize(
-    "command", [[], ["run"], ["replay"], ["report"], ["info"], ["recover"], ["export"], ["map", "tuc"]]
+    "command", [[], ["run"], ["replay"], ["report"], ["info"], ["recover"], ["export"], ["map", "tuc"], ["optimize"]]
 )
 def test_help_says_what_a_command_does(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], command: list[str]

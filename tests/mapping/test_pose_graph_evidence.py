@@ -14,6 +14,7 @@ from topomap.mapping.closures.odds import crowding, log_odds
 from topomap.mapping.odometry.increments import Calibration, EdgeIncrements
 from topomap.mapping.optimizer import Closures
 from topomap.mapping.pose_graph import PoseGraph
+from topomap.mapping.uncertainty.odometry_chain import Chain
 from topomap.mapping.uncertainty.paths import Paths
 
 SIGMAS = np.array([0.03, 0.03, 0.02])
@@ -40,7 +41,7 @@ def factor_of(graph: PoseGraph) -> float:
 def test_covariances_stated_too_large_are_found_out(share: float) -> None:
     graph = laps()
     truth = odometry_poses(replace(graph, odometry=np.round(graph.odometry / (np.pi / 2)) * (np.pi / 2)))
-    mixed = inject(graph, truth, share, np.random.default_rng(1)).graph
+    mixed = inject(graph, truth, "random", share, np.random.default_rng(1)).graph
     assert factor_of(mixed) == pytest.approx(1.0, abs=0.35)
     assert factor_of(rescaled(mixed, 100.0)) == pytest.approx(0.01, abs=0.0035)
 
@@ -84,3 +85,12 @@ def test_odds_are_against_an_even_density_and_fall_where_places_crowd() -> None:
     assert crowding(lattice, claim, straight, everything)[0] > 10.0
     assert crowding(lattice, claim, spread, everything)[0] == 1.0  # what stands just as claimed makes it true
     assert crowding(spaced[:1], claim[:0], wide[:0], everything).shape == (0,)
+
+
+def test_increments_give_the_edges_back() -> None:
+    graph = laps(3)
+    whole = EdgeIncrements.of([edge.increments for edge in odometry_edges(graph)]).integrate(Calibration())
+    assert np.allclose(whole.deltas(Calibration()), graph.odometry, atol=1e-9)
+    assert np.allclose(whole.covariances(Calibration()), graph.odometry_covariance, atol=1e-9)
+    chain = Chain.of(odometry_poses(graph), whole, Calibration(), np.zeros((3, 3)))
+    assert np.allclose(chain.covariance(np.array([4]), np.array([5]))[0], graph.odometry_covariance[4], atol=1e-9)

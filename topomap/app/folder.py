@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -48,3 +49,13 @@ class RunFolder:
         if keep is not None and folder.log.exists() and folder.log.samefile(keep):
             raise DataError(f"{path}: holds the log that is read; choose another --out")
         return folder
+
+
+def make_writable(path: Path) -> None:
+    """Make a folder and see that it can be written, before hours of work. Raises DataError."""
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=path):
+            pass
+    except OSError as error:
+        raise DataError(f"{path}: the output folder can't be written ({error.strerror})") from error

@@ -1,4 +1,4 @@
-"""The injection test on named pose graphs: finds the files, runs, writes table and figure."""
+"""The injection test on named pose graphs: finds the files, runs, writes table and figures."""
 
 from __future__ import annotations
 
@@ -6,29 +6,32 @@ import os
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from topomap.bench.pose_graphs.bench import OURS, PeerLimits, Row, averages, bench, to_csv, to_json
-from topomap.bench.pose_graphs.figure import injection
+from topomap.app.folder import make_writable
+from topomap.bench.pose_graphs.bench import Design, Row, bench
+from topomap.bench.pose_graphs.figure import injection, kinds
+from topomap.bench.pose_graphs.table import cells, to_csv, to_json
+from topomap.bench.pose_graphs.targets import shortfalls
 from topomap.core.errors import DataError
 from topomap.datasets.g2o import read_graph
 from topomap.evaluation.summary import write_whole
 from topomap.mapping.optimizer.examples import example
 from topomap.mapping.pose_graph import PoseGraph
-
-SETS = ("intel", "CSAIL", "manhattanOlson3500", "w10000")
+from topomap.report.figures.style import png
 
 
 def find_graph(name: str) -> Path:
-    """Return a set's file: a path, one under TOPOMAP_DATA/pose-graphs, or gtsam's example. Raises DataError."""
+    """Return a graph's file: a path, one under TOPOMAP_DATA/pose-graphs, or gtsam's example. Raises DataError."""
     if Path(name).is_file():
         return Path(name)
-    data = Path(os.environ.get("TOPOMAP_DATA") or Path(__file__).resolve().parents[3] / "shared" / "data")
-    local = data / "pose-graphs" / f"{name}.g2o"
-    if local.is_file():
+    data = os.environ.get("TOPOMAP_DATA")
+    local = Path(data or "TOPOMAP_DATA") / "pose-graphs" / f"{name}.g2o"
+    if data and local.is_file():
         return local
     try:
         return example(name)
     except DataError as error:
-        raise DataError(f"no pose graph '{name}': neither a file nor {local} nor an example of gtsam") from error
+        hint = "" if data else " (set TOPOMAP_DATA to the folder of recorded data)"
+        raise DataError(f"no pose graph '{name}': neither a file nor {local}{hint} nor an example of gtsam") from error
 
 
 def read_sets(names: Sequence[str]) -> list[PoseGraph]:
@@ -37,52 +40,33 @@ def read_sets(names: Sequence[str]) -> list[PoseGraph]:
 
 
 def run_bench(
-    graphs: Sequence[PoseGraph],
-    seeds: Sequence[int],
-    peers: Sequence[str],
-    limits: PeerLimits,
-    told: Callable[[Row], None],
-) -> list[Row]:
-    """Run the test; `told` hears every row as it is measured."""
-    rows = []
+    graphs: Sequence[PoseGraph], design: Design, out: Path, told: Callable[[Row], None]
+) -> tuple[list[Row], tuple[Path, ...]]:
+    """Run the test and write what is known after each graph, as it may take hours; `told` hears every row as it is
+    measured. Raises DataError if the folder can't be written."""
+    make_writable(out)
+    rows: list[Row] = []
+    written: tuple[Path, ...] = ()
     for graph in graphs:
-        for row in bench(graph, seeds, peers=peers, limits=limits):
+        for row in bench(graph, design):
             told(row)
             rows.append(row)
-    return rows
+        written = _write(rows, out)
+    return rows, written
 
 
-def write_bench(rows: Sequence[Row], out: Path) -> tuple[Path, ...]:
-    """Write graphs.json, graphs.csv and graphs.png."""
-    out.mkdir(parents=True, exist_ok=True)
-    write_whole(out / "graphs.json", to_json(rows))
-    write_whole(out / "graphs.csv", to_csv(rows))
-    injection(rows).savefig(out / "graphs.png", dpi=130, metadata={"Software": None})
-    return tuple(out / f"graphs.{kind}" for kind in ("json", "csv", "png"))
+def _write(rows: Sequence[Row], out: Path) -> tuple[Path, ...]:
+    """Write graphs.json, graphs.csv and a picture a kind."""
+    contents: dict[str, str | bytes] = {"graphs.json": to_json(rows, short(rows)), "graphs.csv": to_csv(rows)}
+    contents |= {f"graphs-{kind}.png": png(injection(rows, kind)) for kind in kinds(rows)}
+    try:
+        for name, content in contents.items():
+            write_whole(out / name, content)
+    except OSError as error:
+        raise DataError(f"{out}: the output folder can't be written ({error.strerror})") from error
+    return tuple(out / name for name in contents)
 
 
-def table(rows: Sequence[Row]) -> list[tuple[str, ...]]:
-    """Return the averages as text: graph, false share, method, runs, stopped, least precision, recall, ATE, times."""
-    return [_cells(line) for line in averages(rows)]
-
-
-def _cells(line: dict[str, object]) -> tuple[str, ...]:
-    def text(key: str, form: str) -> str:
-        value = line[key]
-        return format(value, form) if isinstance(value, int | float) else "-"
-
-    name = str(line["method"])
-    return (
-        str(line["graph"]),
-        text("false_share", ".0%"),
-        name.upper() if name == OURS else name,
-        text("runs", "d"),
-        text("stopped", "d"),
-        text("precision_min", ".1%"),
-        text("kept_false_max", "d"),
-        text("recall_mean", ".1%"),
-        text("recall_min", ".1%"),
-        text("ate_m_mean", ".3f"),
-        text("odometry_ate_m", ".3f"),
-        text("seconds_mean", ".2f"),
-    )
+def short(rows: Sequence[Row]) -> list[str]:
+    """Return a line a target that is missed."""
+    return shortfalls(cells(rows))

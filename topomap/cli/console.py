@@ -10,7 +10,15 @@ from types import FrameType
 
 from rich.console import Console
 from rich.markup import escape
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    TaskProgressColumn,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
 from rich.table import Table
 
 WIDE = 200  # columns of a table in a pipe, which has no width of its own
@@ -27,6 +35,15 @@ def progress(label: str, total: int | None) -> Iterator[Advance]:
         task = bar.add_task(label, total=total)
         # how long the way home takes is not known beforehand: the total grows with it
         yield lambda done: bar.update(task, completed=done, total=total and max(total, done))
+
+
+@contextmanager
+def share(label: str) -> Iterator[Callable[[float, str], None]]:
+    """Show a bar on a terminal and nothing in a pipe; yields a function that takes the share done and what is next."""
+    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
+        task = bar.add_task(label, total=1.0)
+        yield lambda done, what: bar.update(task, completed=done, description=f"{label}: {escape(what)}")
 
 
 def table(rows: list[tuple[str, str]], title: str) -> None:

@@ -14,6 +14,7 @@ from topomap.cli import (
     graph_commands,
     map_commands,
     method_commands,
+    optimize_commands,
     recording_commands,
     rig_commands,
     run_commands,
@@ -33,6 +34,7 @@ run_commands.add_to(app)
 sweep_commands.add_to(app)
 map_commands.add_to(app)
 closure_commands.add_to(app)
+optimize_commands.add_to(app)
 graph_commands.add_to(app)
 recording_commands.add_to(app)
 method_commands.add_to(app)

@@ -13,7 +13,8 @@ from topomap.core.records import Candidate, Decision, Verdict
 from topomap.core.run_data import RunData
 from topomap.evaluation.trajectory import step_at, travel
 
-FALSE_ROTATION = math.radians(20.0)
+# what a false closure misses by, one of them at least [m, rad]; a recording may state another distance
+FALSE_DISTANCE, FALSE_ROTATION = 1.0, math.radians(20.0)
 # wider than this, a claimed heading says nothing (a uniform one has a sigma of 1.81 rad)
 UNKNOWN_HEADING_SIGMA = 1.5
 PASS_RADIUS_M = 0.75

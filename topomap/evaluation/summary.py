@@ -89,12 +89,12 @@ def write_summary(path: Path, summary: Summary) -> None:
     write_whole(path, text)
 
 
-def write_whole(path: Path, text: str) -> None:
-    """Write text to a file so that nobody ever sees half of it; raises OSError."""
+def write_whole(path: Path, content: str | bytes) -> None:
+    """Write text or bytes to a file so that nobody ever sees half of it; raises OSError."""
     path.parent.mkdir(parents=True, exist_ok=True)
     temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
     try:
-        temporary.write_text(text, encoding="utf-8")
+        temporary.write_bytes(content.encode() if isinstance(content, str) else content)
         temporary.replace(path)
     finally:
         temporary.unlink(missing_ok=True)

@@ -1,29 +1,26 @@
-"""The injection test: pose graphs with false closures, mapped by this back end and by gtsam's optimisers."""
+"""The injection test: pose graphs with false closures, given to the engine and to gtsam's optimisers."""
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 import numpy as np
 
-from topomap.bench.pose_graphs.injection import Injected, inject
-from topomap.bench.pose_graphs.peers import PeerProcess, PeerRun, closures_of
+from topomap.bench.pose_graphs.clean import clean_optimum
+from topomap.bench.pose_graphs.injection import KINDS, Injected, inject
+from topomap.bench.pose_graphs.peers import MethodRun, PeerProcess
 from topomap.core.arrays import FloatArray
 from topomap.core.errors import TopomapError
-from topomap.evaluation.rows import rows_csv
 from topomap.evaluation.trajectory import ate
-from topomap.mapping.closures.graph_odometry import odometry_poses
-from topomap.mapping.closures.growth import map_graph
-from topomap.mapping.optimizer.peers import PEERS, optimum
+from topomap.mapping.graph_engine import optimise_graph
+from topomap.mapping.optimizer.peers import PEERS
 from topomap.mapping.pose_graph import PoseGraph
 
 OURS = "topomap"
-ODOMETRY = "odometry"
 SHARES = (0.0, 0.2, 0.5, 0.8, 0.9)
-LARGE = 2000  # nodes
+NONE = "none"  # the kind of false closures where there are none
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,12 +28,14 @@ class Row:
     """One method on one graph: closures offered and kept, ate [m] to the clean optimum after SE(2) alignment, time.
 
     precision is None where nothing was kept, ate where the method failed, recall, too, where it ran out of time.
+    building_seconds: what making gtsam's graph took a peer beside its seconds.
     """
 
     graph: str
     nodes: int
-    method: str
+    kind: str
     false_share: float
+    method: str
     seed: int
     true: int
     false: int
@@ -47,58 +46,67 @@ class Row:
     ate_m: float | None
     odometry_ate_m: float
     seconds: float
+    building_seconds: float
     stopped: bool
 
 
 @dataclass(frozen=True, slots=True)
-class PeerLimits:
-    """How long a peer may take [s], and on how many seeds of a graph with more than 2,000 nodes peers run."""
+class Design:
+    """What is run: kinds of false closures, their shares, seeds, peers and how long a peer may take [s].
 
-    seconds: float = 60.0
-    large_seeds: int = 1
+    Raises TopomapError for what there isn't.
+    """
 
+    kinds: Sequence[str] = KINDS
+    shares: Sequence[float] = SHARES
+    seeds: Sequence[int] = (0, 1, 2)
+    peers: Sequence[str] = tuple(PEERS)
+    limit: float = 120.0
 
-def bench(
-    graph: PoseGraph,
-    seeds: Sequence[int],
-    shares: Sequence[float] = SHARES,
-    peers: Sequence[str] = tuple(PEERS),
-    limits: PeerLimits = PeerLimits(),
-) -> Iterator[Row]:
-    """Yield a row a method, share and seed; the clean optimum comes from all true closures (LAGO, then LM)."""
-    if unknown := [name for name in peers if name not in PEERS]:
-        raise TopomapError(f"no method '{unknown[0]}': there are {', '.join(PEERS)}")
-    clean = optimum(graph.odometry, graph.odometry_covariance, closures_of(graph))
-    drift = ate(odometry_poses(graph), clean)
-    _warm_up()
-    heard = seeds if graph.nodes <= LARGE else seeds[: limits.large_seeds]
-    with PeerProcess(limits.seconds) as process:
-        for share in shares:
-            for seed in seeds:
-                injected = inject(graph, clean, share, np.random.default_rng([seed, round(100 * share)]))
-                yield _row(injected, clean, drift, share, seed, OURS, _ours(injected.graph))
-                for method in peers if seed in heard else ():
-                    run = process.run(method, injected.graph)
-                    yield _row(injected, clean, drift, share, seed, method, run)
+    def __post_init__(self) -> None:
+        for word, asked, known in (("kind", self.kinds, KINDS), ("peer", self.peers, tuple(PEERS))):
+            if unknown := [name for name in asked if name not in known]:
+                raise TopomapError(f"no {word} '{unknown[0]}': there are {', '.join(known)}")
+
+    def cells(self) -> list[tuple[str, float, int]]:
+        """Return kind, share and seed of each graph made; without false closures kind and seed change nothing."""
+        bare = [(NONE, 0.0, self.seeds[0])] if 0.0 in self.shares else []
+        return bare + [(kind, share, seed) for kind in self.kinds for share in self.shares if share
+                       for seed in self.seeds]  # fmt: skip
 
 
-def _ours(graph: PoseGraph) -> PeerRun:
+def bench(graph: PoseGraph, design: Design) -> Iterator[Row]:
+    """Yield a row a graph made and method. Raises TopomapError."""
+    clean = clean_optimum(graph)
+    drift = ate(graph.dead_reckoning(), clean)
+    warm_up()
+    with PeerProcess(design.limit) as process:
+        for kind, share, seed in design.cells():
+            rng = np.random.default_rng([seed, round(1000 * share), (*KINDS, NONE).index(kind)])
+            injected = inject(graph, clean, kind if kind != NONE else KINDS[0], share, rng)
+            for method in (OURS, *design.peers):
+                run = _ours(injected.graph) if method == OURS else process.run(method, injected.graph)
+                yield _row(injected, clean, drift, (kind, share, seed), method, run)
+
+
+def _ours(graph: PoseGraph) -> MethodRun:
     begin = time.perf_counter()
-    poses, believed = map_graph(graph)
-    return PeerRun(poses, believed, time.perf_counter() - begin, False)
+    verdicts = optimise_graph(graph)
+    return MethodRun(verdicts.poses, verdicts.inlier, time.perf_counter() - begin, 0.0, False)
 
 
 def _row(
-    injected: Injected, clean: FloatArray, drift: float, share: float, seed: int, method: str, run: PeerRun
+    injected: Injected, clean: FloatArray, drift: float, cell: tuple[str, float, int], method: str, run: MethodRun
 ) -> Row:
     false = injected.false
-    right, wrong = int((run.believed & ~false).sum()), int((run.believed & false).sum())
+    right, wrong = int((run.inlier & ~false).sum()), int((run.inlier & false).sum())
     return Row(
         graph=injected.graph.name,
         nodes=injected.graph.nodes,
+        kind=cell[0],
+        false_share=cell[1],
         method=method,
-        false_share=share,
-        seed=seed,
+        seed=cell[2],
         true=int((~false).sum()),
         false=int(false.sum()),
         kept_true=right,
@@ -108,54 +116,15 @@ def _row(
         ate_m=ate(run.poses, clean) if np.isfinite(run.poses).all() else None,
         odometry_ate_m=drift,
         seconds=run.seconds,
+        building_seconds=run.building_seconds,
         stopped=run.stopped,
     )
 
 
-def _warm_up() -> None:
+def warm_up() -> None:
     """Compile the kernels, so that the first row's time is as good as the others'."""
     relative, spread = np.tile([1.0, 0.0, np.pi / 2], (8, 1)), np.tile(np.eye(3) * 1e-2, (8, 1, 1))
     ends = np.array([0, 1, 2, 3, 0])
     claims = np.zeros((5, 3))
     claims[4] = [5.0, 0.0, 0.0]
-    map_graph(PoseGraph("", relative, spread, ends, np.array([4, 5, 6, 7, 6]), claims, spread[:5]))
-
-
-def averages(rows: Sequence[Row]) -> list[dict[str, object]]:
-    """Return one line a graph, share and method over the seeds: worst precision, mean and least recall, times."""
-    groups: dict[tuple[str, float, str], list[Row]] = {}
-    for row in rows:
-        groups.setdefault((row.graph, row.false_share, row.method), []).append(row)
-    return [_average(key, own) for key, own in groups.items()]
-
-
-def _average(key: tuple[str, float, str], own: list[Row]) -> dict[str, object]:
-    precisions = [row.precision for row in own if row.precision is not None]
-    ates = [row.ate_m for row in own if row.ate_m is not None]
-    recalls = [row.recall for row in own if row.recall is not None]
-    return {
-        "graph": key[0],
-        "false_share": key[1],
-        "method": key[2],
-        "runs": len(own),
-        "stopped": sum(row.stopped for row in own),
-        "precision_min": min(precisions) if precisions else None,
-        "kept_false_max": max(row.kept_false for row in own),
-        "recall_mean": float(np.mean(recalls)) if recalls else None,
-        "recall_min": min(recalls) if recalls else None,
-        "ate_m_mean": float(np.mean(ates)) if ates else None,
-        "ate_m_max": max(ates) if ates else None,
-        "odometry_ate_m": own[0].odometry_ate_m,
-        "seconds_mean": float(np.mean([row.seconds for row in own])),
-        "seconds_max": max(row.seconds for row in own),
-    }
-
-
-def to_json(rows: Sequence[Row]) -> str:
-    """Return all rows and their averages as JSON."""
-    return json.dumps({"rows": [asdict(row) for row in rows], "averages": averages(rows)}, indent=1) + "\n"
-
-
-def to_csv(rows: Sequence[Row]) -> str:
-    """Return all rows as CSV with a header."""
-    return rows_csv(rows, Row)
+    optimise_graph(PoseGraph("", relative, spread, ends, np.array([4, 5, 6, 7, 6]), claims, spread[:5]))

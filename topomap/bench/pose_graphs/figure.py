@@ -1,4 +1,4 @@
-"""The injection test as a figure: precision, recall, error and time over the share of false closures."""
+"""The injection test as a figure a kind: precision, recall, error and time over the share of false closures."""
 
 from __future__ import annotations
 
@@ -8,22 +8,31 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from topomap.bench.pose_graphs.bench import OURS, Row
+from topomap.bench.pose_graphs.bench import NONE, OURS, Row
 from topomap.report.figures import style
 
 PANELS = (("precision", "share", False), ("recall", "share", False), ("ate_m", "m", True), ("seconds", "s", True))
 TITLES = {"precision": "precision", "recall": "recall", "ate_m": "ATE", "seconds": "time"}
 LOOKS = ((style.RED, "o"), (style.BLUE, "s"), (style.AMBER, "^"), (style.GREEN, "D"), (style.PURPLE, "v"))
+LEAST = 1e-3  # [m, s]: what is less is drawn there, as a logarithm has no zero
 
 
-def injection(rows: Sequence[Row]) -> Figure:
+def kinds(rows: Sequence[Row]) -> list[str]:
+    """Return the kinds of false closures that rows tell of."""
+    told = [kind for kind in dict.fromkeys(row.kind for row in rows) if kind != NONE]
+    return told or [NONE]
+
+
+def injection(rows: Sequence[Row], kind: str) -> Figure:
     """Return a row of panels a graph, a line a method: the mean over seeds, with the worst and best as a band.
 
     ATE is to the clean optimum; a method whose runs were stopped has no point there.
     """
-    graphs = list(dict.fromkeys(row.graph for row in rows))
-    methods = list(dict.fromkeys(row.method for row in rows))
-    figure = style.canvas(12.0, 0.5 + 2.5 * len(graphs))
+    own = [row for row in rows if row.kind in (kind, NONE)]
+    graphs = list(dict.fromkeys(row.graph for row in own))
+    methods = list(dict.fromkeys(row.method for row in own))
+    figure = style.canvas(12.0, 0.8 + 2.5 * len(graphs))
+    figure.suptitle(f"false closures of the kind '{kind}'", x=0.01, ha="left", fontsize=11)
     axes = figure.subplots(len(graphs), len(PANELS), squeeze=False)
     for line, graph in enumerate(graphs):
         for panel, (name, unit, logarithmic) in zip(axes[line], PANELS, strict=True):
@@ -33,9 +42,8 @@ def injection(rows: Sequence[Row]) -> Figure:
             else:
                 panel.set_ylim(-0.03, 1.05)
             for method, (colour, sign) in zip(methods, LOOKS, strict=False):
-                own = [row for row in rows if row.graph == graph and row.method == method]
-                _draw(panel, own, name, colour, sign)
-        _odometry(axes[line][2], rows, graph)
+                _draw(panel, [row for row in own if (row.graph, row.method) == (graph, method)], name, colour, sign)
+        _odometry(axes[line][2], own, graph)
     style.legend_below(figure, axes[0][2], 6)
     return figure
 
@@ -52,6 +60,8 @@ def _draw(axes: Axes, own: Sequence[Row], name: str, colour: str, sign: str) -> 
             high.append(max(known))
     if shares:
         width = 2.0 if own[0].method == OURS else 1.1
+        least = LEAST if axes.get_yscale() == "log" else 0.0
+        middle, low, high = (np.maximum(part, least).tolist() for part in (middle, low, high))
         axes.plot(shares, middle, color=colour, marker=sign, markersize=4, linewidth=width, label=own[0].method)
         axes.fill_between(shares, low, high, color=colour, alpha=0.12, linewidth=0)
 

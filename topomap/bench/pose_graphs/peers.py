@@ -10,22 +10,27 @@ from typing import NamedTuple
 import numpy as np
 
 from topomap.core.arrays import BoolArray, FloatArray
-from topomap.mapping.optimizer import Closures
-from topomap.mapping.optimizer.peers import PEERS
+from topomap.mapping.optimizer.peers import PEERS, inliers
 from topomap.mapping.pose_graph import PoseGraph
 
 
-class PeerRun(NamedTuple):
-    """Poses (N, 3), NaN if the peer failed; the believed closures (M,); its own time [s]; whether it was stopped."""
+class MethodRun(NamedTuple):
+    """What one method makes of a graph.
+
+    poses (N, 3), NaN if it failed; inlier (M,): the closures that it takes for true; seconds [s]: its optimising alone;
+    building_seconds [s]: making gtsam's graph, which is done factor by factor from Python and isn't the method's fault;
+    whether it was stopped.
+    """
 
     poses: FloatArray
-    believed: BoolArray
+    inlier: BoolArray
     seconds: float
+    building_seconds: float
     stopped: bool
 
 
 class PeerProcess:
-    """Runs peers one after the other, each for so many seconds at most; use it in a `with`."""
+    """Runs peers one after the other, each for so many seconds at most, building apart; use it in a `with`."""
 
     def __init__(self, limit: float) -> None:
         self._limit = limit
@@ -44,30 +49,28 @@ class PeerProcess:
         self._process.join()
         self._here.close()
 
-    def run(self, method: str, graph: PoseGraph) -> PeerRun:
-        """Return what the peer makes of the graph; a stopped or failed one believes nothing."""
+    def run(self, method: str, graph: PoseGraph) -> MethodRun:
+        """Return what the peer makes of the graph; a stopped or failed one takes nothing for true."""
         self._here.send((method, graph))
-        begin = time.perf_counter()
-        stopped = not self._here.poll(self._limit)
+        building, begin = 0.0, time.perf_counter()
         try:
-            if not stopped:
-                run: PeerRun = self._here.recv()
+            building = self._here.recv()
+            begin = time.perf_counter()
+            if self._here.poll(self._limit):
+                run: MethodRun = self._here.recv()
                 return run
+            stopped = True
         except EOFError:  # gtsam took the process down with it
-            pass
+            stopped = False
         seconds = time.perf_counter() - begin
         self.__exit__()
         self.__enter__()
-        return _nothing(graph, seconds, stopped)
+        return _nothing(graph, seconds, building, stopped)
 
 
-def closures_of(graph: PoseGraph) -> Closures:
-    """Return the graph's closures as the back end takes them."""
-    return Closures(graph.i, graph.j, graph.relative, graph.covariance, np.ones(len(graph.i)))
-
-
-def _nothing(graph: PoseGraph, seconds: float, stopped: bool) -> PeerRun:
-    return PeerRun(np.full((graph.nodes, 3), np.nan), np.zeros(len(graph.i), bool), seconds, stopped)
+def _nothing(graph: PoseGraph, seconds: float, building: float, stopped: bool) -> MethodRun:
+    nowhere = np.full((graph.nodes, 3), np.nan)
+    return MethodRun(nowhere, np.zeros(len(graph.i), np.bool_), seconds, building, stopped)
 
 
 def _serve(there: Connection) -> None:
@@ -75,9 +78,14 @@ def _serve(there: Connection) -> None:
     while True:
         method, graph = there.recv()
         begin = time.perf_counter()
+        built = PEERS[method].build(graph)
+        building = time.perf_counter() - begin
+        there.send(building)
+        begin = time.perf_counter()
         try:
-            found = PEERS[method](graph.odometry, graph.odometry_covariance, closures_of(graph))
-            run = PeerRun(found.poses, found.believed, time.perf_counter() - begin, False)
+            found = PEERS[method].solve(built, graph.nodes)
+            seconds = time.perf_counter() - begin
+            run = MethodRun(*inliers(graph, found), seconds, building, False)
         except RuntimeError:  # gtsam gives up on an indeterminate system: a result of the peer, not an error of ours
-            run = _nothing(graph, time.perf_counter() - begin, stopped=False)
+            run = _nothing(graph, time.perf_counter() - begin, building, stopped=False)
         there.send(run)

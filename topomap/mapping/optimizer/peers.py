@@ -8,65 +8,59 @@ from typing import NamedTuple
 import gtsam
 import numpy as np
 
-from topomap.core.arrays import FloatArray
-from topomap.core.geometry import compose
+from topomap.core.arrays import BoolArray, FloatArray, IntArray
 from topomap.mapping.optimizer.problem import Closures
+from topomap.mapping.optimizer.residuals import closure_chi2
+from topomap.mapping.pose_graph import PoseGraph
 
 ANCHOR_SIGMA = 1e-3
-BELIEVED = 3.4  # sigmas: 99 % at 3 dof, as in OptimizerSettings
+INLIER = 3.4  # sigmas: 99 % at 3 dof, as in OptimizerSettings
+
+Wrap = Callable[[gtsam.noiseModel.Base], gtsam.noiseModel.Base]
 
 
-class PeerResult(NamedTuple):
-    """What a peer found: poses (N, 3), and which closures (M,) it believes."""
+class Built(NamedTuple):
+    """A pose graph as gtsam's factors, odometry first behind the anchor, and dead reckoning as its start."""
 
-    poses: FloatArray
-    believed: np.ndarray[tuple[int], np.dtype[np.bool_]]
-
-
-def levenberg_marquardt(odometry: FloatArray, covariance: FloatArray, closures: Closures) -> PeerResult:
-    """Optimise as if every closure were true; odometry (N - 1, 3), covariance (N - 1, 3, 3), both `i_from_next`."""
-    return _optimised(odometry, covariance, closures, lambda model: model)
+    factors: gtsam.NonlinearFactorGraph
+    start: gtsam.Values
 
 
-def huber(odometry: FloatArray, covariance: FloatArray, closures: Closures) -> PeerResult:
-    """Optimise with Huber's kernel (k = 1.345) over the closures."""
-    kernel = gtsam.noiseModel.mEstimator.Huber.Create(1.345)
-    return _optimised(odometry, covariance, closures, lambda model: gtsam.noiseModel.Robust.Create(kernel, model))
+class Found(NamedTuple):
+    """What a peer found: its values, and weights (M,) of the closures if it gives any."""
+
+    values: gtsam.Values
+    weights: FloatArray | None
 
 
-def dcs(odometry: FloatArray, covariance: FloatArray, closures: Closures) -> PeerResult:
-    """Optimise with dynamic covariance scaling (Agarwal et al. 2013, phi = 1) over the closures."""
-    kernel = gtsam.noiseModel.mEstimator.DCS.Create(1.0)
-    return _optimised(odometry, covariance, closures, lambda model: gtsam.noiseModel.Robust.Create(kernel, model))
+class Peer(NamedTuple):
+    """An optimiser of gtsam: what is done to the closures' noise, and the optimisation itself."""
+
+    wrap: Wrap
+    solve: Callable[[Built, int], Found]
+
+    def build(self, graph: PoseGraph) -> Built:
+        """Return the graph as the peer takes it."""
+        return Built(_factors(graph, self.wrap), _values(graph.dead_reckoning()))
 
 
-def gnc(odometry: FloatArray, covariance: FloatArray, closures: Closures) -> PeerResult:
-    """Optimise with GncLMOptimizer (truncated least squares, 99 %), odometry as known inliers."""
-    graph, start = _graph(odometry, covariance, closures, lambda model: model), _start(odometry)
-    parameters = gtsam.GncLMParams(gtsam.LevenbergMarquardtParams())
-    parameters.setLossType(gtsam.GncLossType.TLS)
-    parameters.setKnownInliers(list(range(len(odometry) + 1)))
-    optimizer = gtsam.GncLMOptimizer(graph, start, parameters)
-    optimizer.setInlierCostThresholdsAtProbability(0.99)
-    values = optimizer.optimize()
-    weights = np.asarray(optimizer.getWeights())[len(odometry) + 1 :]
-    return PeerResult(_poses(values, len(odometry) + 1), weights > 0.5)
+def inliers(graph: PoseGraph, found: Found) -> tuple[FloatArray, BoolArray]:
+    """Return the poses (N, 3) that a peer found, and which closures (M,) it takes for true."""
+    poses = _poses(found.values, graph.nodes)
+    if found.weights is not None:
+        return poses, found.weights > 0.5
+    closures = Closures(graph.i, graph.j, graph.relative, graph.covariance, np.ones(len(graph.i)))
+    return poses, closure_chi2(poses, closures, np.zeros((3, 3))) <= INLIER**2
 
 
-PEERS: dict[str, Callable[[FloatArray, FloatArray, Closures], PeerResult]] = {
-    "Levenberg-Marquardt": levenberg_marquardt,
-    "Huber": huber,
-    "DCS": dcs,
-    "GNC": gnc,
-}
-
-
-def optimum(odometry: FloatArray, covariance: FloatArray, closures: Closures) -> FloatArray:
+def optimum(graph: PoseGraph) -> FloatArray:
     """Return the poses (N, 3) that fit best when every closure is true, from a linear start (LAGO)."""
-    graph = _graph(odometry, covariance, closures, lambda model: model)
-    start = gtsam.lago.initialize(_graph(odometry, covariance, closures, _diagonal))
-    values = gtsam.LevenbergMarquardtOptimizer(graph, start).optimize()
-    return _poses(values, len(odometry) + 1)
+    start = gtsam.lago.initialize(_factors(graph, _diagonal, _diagonal))
+    return _poses(gtsam.LevenbergMarquardtOptimizer(_factors(graph, _as_stated), start).optimize(), graph.nodes)
+
+
+def _as_stated(model: gtsam.noiseModel.Base) -> gtsam.noiseModel.Base:
+    return model
 
 
 def _diagonal(model: gtsam.noiseModel.Base) -> gtsam.noiseModel.Base:
@@ -74,51 +68,65 @@ def _diagonal(model: gtsam.noiseModel.Base) -> gtsam.noiseModel.Base:
     return gtsam.noiseModel.Diagonal.Sigmas(model.sigmas())
 
 
-def _optimised(
-    odometry: FloatArray,
-    covariance: FloatArray,
-    closures: Closures,
-    wrap: Callable[[gtsam.noiseModel.Base], gtsam.noiseModel.Base],
-) -> PeerResult:
-    graph = _graph(odometry, covariance, closures, wrap)
-    values = gtsam.LevenbergMarquardtOptimizer(graph, _start(odometry)).optimize()
-    plain = _graph(odometry, covariance, closures, lambda model: model)
-    first = len(odometry) + 1
-    chi2 = np.array([2 * plain.at(k).error(values) for k in range(first, first + len(closures))])
-    return PeerResult(_poses(values, first), chi2 <= BELIEVED**2)
+def _huber(model: gtsam.noiseModel.Base) -> gtsam.noiseModel.Base:
+    return gtsam.noiseModel.Robust.Create(gtsam.noiseModel.mEstimator.Huber.Create(1.345), model)
 
 
-def _graph(
-    odometry: FloatArray,
-    covariance: FloatArray,
-    closures: Closures,
-    wrap: Callable[[gtsam.noiseModel.Base], gtsam.noiseModel.Base],
-) -> gtsam.NonlinearFactorGraph:
-    graph = gtsam.NonlinearFactorGraph()
-    graph.add(gtsam.PriorFactorPose2(0, gtsam.Pose2(), gtsam.noiseModel.Isotropic.Sigma(3, ANCHOR_SIGMA)))
-    for k, (row, spread) in enumerate(zip(odometry, covariance, strict=True)):
-        model = _model(row, spread)
-        firm = _diagonal(model) if wrap is _diagonal else model
-        graph.add(gtsam.BetweenFactorPose2(k, k + 1, gtsam.Pose2(*row), firm))
-    edges = zip(closures.i.tolist(), closures.j.tolist(), closures.relative, closures.covariance, strict=True)
-    for i, j, row, spread in edges:
-        graph.add(gtsam.BetweenFactorPose2(i, j, gtsam.Pose2(*row), wrap(_model(row, spread))))
-    return graph
+def _dcs(model: gtsam.noiseModel.Base) -> gtsam.noiseModel.Base:
+    return gtsam.noiseModel.Robust.Create(gtsam.noiseModel.mEstimator.DCS.Create(1.0), model)
 
 
-def _model(relative: FloatArray, covariance: FloatArray) -> gtsam.noiseModel.Gaussian:
-    """Return the noise in the frame of the edge's end, where gtsam measures it."""
-    c, s = np.cos(relative[2]), np.sin(relative[2])
-    back = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
-    return gtsam.noiseModel.Gaussian.Covariance(back @ covariance @ back.T)
+def _levenberg_marquardt(built: Built, _: int) -> Found:
+    return Found(gtsam.LevenbergMarquardtOptimizer(*built).optimize(), None)
 
 
-def _start(odometry: FloatArray) -> gtsam.Values:
-    values, pose = gtsam.Values(), np.zeros(3)
-    values.insert(0, gtsam.Pose2(*pose))
-    for k, row in enumerate(odometry, start=1):
-        pose = compose(pose, row)
-        values.insert(k, gtsam.Pose2(*pose))
+def _gnc(built: Built, nodes: int) -> Found:
+    """Truncated least squares at 99 %, odometry as known inliers."""
+    parameters = gtsam.GncLMParams(gtsam.LevenbergMarquardtParams())
+    parameters.setLossType(gtsam.GncLossType.TLS)
+    parameters.setKnownInliers(list(range(nodes)))
+    optimizer = gtsam.GncLMOptimizer(*built, parameters)
+    optimizer.setInlierCostThresholdsAtProbability(0.99)
+    values = optimizer.optimize()
+    return Found(values, np.asarray(optimizer.getWeights())[nodes:])
+
+
+PEERS = {
+    "DCS": Peer(_dcs, _levenberg_marquardt),  # dynamic covariance scaling (Agarwal et al. 2013, phi = 1)
+    "GNC": Peer(_as_stated, _gnc),
+    "Huber": Peer(_huber, _levenberg_marquardt),
+    "Levenberg-Marquardt": Peer(_as_stated, _levenberg_marquardt),
+}
+
+
+def _factors(graph: PoseGraph, wrap: Wrap, firm: Wrap = _as_stated) -> gtsam.NonlinearFactorGraph:
+    """Return the anchor, odometry with its noise as `firm` makes it, closures with theirs as `wrap` does."""
+    factors = gtsam.NonlinearFactorGraph()
+    factors.add(gtsam.PriorFactorPose2(0, gtsam.Pose2(), gtsam.noiseModel.Isotropic.Sigma(3, ANCHOR_SIGMA)))
+    steps = np.arange(graph.nodes - 1)
+    _add(factors, steps, steps + 1, graph.odometry, graph.odometry_covariance, firm)
+    _add(factors, graph.i, graph.j, graph.relative, graph.covariance, wrap)
+    return factors
+
+
+def _add(
+    factors: gtsam.NonlinearFactorGraph, i: IntArray, j: IntArray, relative: FloatArray, covariance: FloatArray,
+    wrap: Wrap,
+) -> None:  # fmt: skip
+    """Add edges with their noise turned into the frame of the edge's end, where gtsam measures it."""
+    to_end = np.zeros_like(covariance)
+    c, s = np.cos(relative[:, 2]), np.sin(relative[:, 2])
+    to_end[:, 0, 0], to_end[:, 0, 1], to_end[:, 1, 0], to_end[:, 1, 1], to_end[:, 2, 2] = c, s, -s, c, 1.0
+    spread = to_end @ covariance @ to_end.transpose(0, 2, 1)
+    for a, b, row, noise in zip(i.tolist(), j.tolist(), relative, spread, strict=True):
+        model = wrap(gtsam.noiseModel.Gaussian.Covariance(noise))
+        factors.add(gtsam.BetweenFactorPose2(a, b, gtsam.Pose2(*row), model))
+
+
+def _values(poses: FloatArray) -> gtsam.Values:
+    values = gtsam.Values()
+    for k, row in enumerate(poses):
+        values.insert(k, gtsam.Pose2(*row))
     return values
 
 

@@ -162,6 +162,11 @@ def svg_uri(figure: Figure) -> str:
 
 def png_uri(figure: Figure, dpi: int = 130) -> str:
     """Return a figure as a data URI of a PNG."""
+    return "data:image/png;base64," + base64.b64encode(png(figure, dpi)).decode("ascii")
+
+
+def png(figure: Figure, dpi: int = 130) -> bytes:
+    """Return a figure as a PNG, the same bytes every time."""
     data = io.BytesIO()
     figure.savefig(data, format="png", dpi=dpi, metadata={"Software": None})
-    return "data:image/png;base64," + base64.b64encode(data.getvalue()).decode("ascii")
+    return data.getvalue()
