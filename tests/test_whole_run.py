@@ -11,7 +11,10 @@ import time
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+from mcap.reader import make_reader
+from mcap_protobuf.decoder import DecoderFactory
 
 from topomap.mapping.mapfile import load_map
 from topomap.recording.run_reader import load_run
@@ -65,6 +68,21 @@ def test_the_log_stays_small_and_the_map_loads(finished: tuple[Path, dict[str, A
     assert (folder / "run.mcap").stat().st_size < 60e6
     topo = load_map(folder / "run.topomap")
     assert sum(node.snapshot is not None for node in topo.nodes) == summary["snapshots"]
+
+
+def test_viewers_end_on_the_finished_map(finished: tuple[Path, dict[str, Any]]) -> None:
+    data, drawn = load_run(finished[0] / "run.mcap"), drawn_edges(finished[0] / "run.mcap")
+    at = {node.node: tuple(np.round(node.pose[:2], 6).tolist()) for node in data.nodes}
+    assert sorted(map(sorted, drawn)) == sorted(sorted((at[a], at[b])) for a, b, _ in data.edges)
+
+
+def drawn_edges(path: Path) -> list[tuple[tuple[float, float], tuple[float, float]]]:
+    """Both ends (x, y) of every edge in the last drawing of the map."""
+    with path.open("rb") as file:
+        reader = make_reader(file, decoder_factories=[DecoderFactory()])
+        last = [p for _, _, _, p in reader.iter_decoded_messages(topics=["/map/graph"])][-1]
+    ends = [(round(p.x, 6), round(p.y, 6)) for line in last.entities[0].lines for p in line.points]
+    return list(zip(ends[::2], ends[1::2], strict=True))
 
 
 def test_a_replay_gives_the_same_map(finished: tuple[Path, dict[str, Any]], tmp_path: Path) -> None:

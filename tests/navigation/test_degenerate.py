@@ -22,7 +22,7 @@ from topomap.core.records import Phase
 from topomap.mapping.mapper import Mapper
 from topomap.navigation.runner import run
 from topomap.recording.encode import run_header
-from topomap.recording.recorder import RunRecorder
+from topomap.recording.recorder import MapNow, RunRecorder
 
 NAN = math.nan
 WIDTH = 720
@@ -118,7 +118,7 @@ def test_a_log_of_one_reading_is_replayed_to_a_whole_run(tmp_path: Path, reading
     config = load_config()
     header = run_header("one reading", readings[0].rig, config=config.resolved())
     with Recorder(tmp_path / "one.mcap", header) as recorder:
-        run(Played(readings[:1]), build_navigator(config.stack), (RunRecorder(recorder, list),))
+        run(Played(readings[:1]), build_navigator(config.stack), (RunRecorder(recorder, MapNow),))
     done = CliRunner().invoke(app, ["replay", str(tmp_path / "one.mcap"), "--out", str(tmp_path / "out")])
     assert done.exit_code == 0, done.output
     assert "0.0 m in 1 steps" in done.output

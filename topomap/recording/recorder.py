@@ -12,11 +12,17 @@ from logs import topics
 from logs.recorder import Recorder
 from topomap.core.arrays import FloatArray, IntArray
 from topomap.core.geometry import Pose2
-from topomap.core.records import CalibrationState, Decision, MapChange, StepRecord, Travel, Verdict
+from topomap.core.records import CalibrationState, MapChange, StepRecord, Travel, Verdict
 from topomap.core.robot import Reading, Truth, TruthSource
 from topomap.recording import encode
 
-Nodes = Callable[[], list[tuple[int, Pose2, bool]]]
+
+@dataclass(frozen=True)
+class MapNow:
+    """The map as it stands: nodes (id, pose, snapshot), edges (a, b, kind) with kind "odometry" or "closure"."""
+
+    nodes: tuple[tuple[int, Pose2, bool], ...] = ()
+    edges: tuple[tuple[int, int, str], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -41,15 +47,13 @@ class FinalMap:
 class RunRecorder:
     """Writes every step of a run into a log.
 
-    nodes: returns the map's (id, pose, snapshot) as they are now; truth: asked at each step whose truth isn't
-    given.
+    now: returns the map as it is now; truth: asked at each step whose truth isn't given.
     """
 
-    def __init__(self, recorder: Recorder, nodes: Nodes, truth: TruthSource | None = None) -> None:
+    def __init__(self, recorder: Recorder, now: Callable[[], MapNow], truth: TruthSource | None = None) -> None:
         self._recorder = recorder
         self._source = truth
-        self._nodes = nodes
-        self._closures: dict[tuple[int, int], bool] = {}
+        self._now = now
         self._said: tuple[str, str, bool] = ("", "", False)
         self._calibration: CalibrationState | None = None
         self._start: log.Pose | None = None
@@ -70,8 +74,8 @@ class RunRecorder:
 
     def finish(self, final: FinalMap) -> None:
         """Write the finished map and its trajectory; raises LogError when the log can't be written."""
-        if self._map_stale:
-            self._send_map(self._nodes())
+        # the last solve moved every node: what viewers show last is the finished map
+        self._send_map(MapNow(tuple((id, pose, snapshot) for id, _, pose, snapshot in final.nodes), final.edges))
         self._write(topics.FINAL, _final(final))
         if final.steps_per_s is not None:
             self._write(topics.PERFORMANCE, log.Performance(float(final.steps_per_s)))
@@ -159,31 +163,26 @@ class RunRecorder:
         self._write(topics.TEXT, log.Text(level, name, message))
 
     def _write_map(self, change: MapChange) -> None:
-        for decision in change.decisions:
-            self._note_closure(decision)
-        self._map_stale = self._map_stale or bool(change.added) or change.solved
+        closed = any(d.verdict in (Verdict.ACCEPTED, Verdict.WITHDRAWN) for d in change.decisions)
+        self._map_stale = self._map_stale or closed or change.solved or bool(change.added)
         self._map_age += 1
         # a map of thousands of nodes at every change would outgrow the panoramas
         if self._map_stale and self._map_age >= self._map_size // 10:
-            self._send_map(self._nodes())
+            self._send_map(self._now())
 
-    def _note_closure(self, decision: Decision) -> None:
-        candidate = decision.candidate
-        if candidate.query is not None and decision.verdict is not Verdict.PENDING:
-            pair = (candidate.match, candidate.query)
-            self._closures[pair] = decision.verdict is Verdict.ACCEPTED
-
-    def _send_map(self, nodes: list[tuple[int, Pose2, bool]]) -> None:
-        poses = np.array([pose.array() for _, pose, _ in nodes], dtype=np.float64).reshape(-1, 3)
-        rows = {id: row for row, (id, _, _) in enumerate(nodes)}
-        pairs = [pair for pair, accepted in self._closures.items() if accepted and rows.keys() >= set(pair)]
-        closures = np.array([[rows[a], rows[b]] for a, b in pairs], dtype=np.int64).reshape(-1, 2)
-        steps = np.arange(max(len(nodes) - 1, 0), dtype=np.int64)
-        snapshots = np.array([snapshot for _, _, snapshot in nodes], dtype=np.bool_)
-        graph = log.Graph(poses, snapshots, np.stack([steps, steps + 1], axis=1), closures)
+    def _send_map(self, now: MapNow) -> None:
+        poses = np.array([pose.array() for _, pose, _ in now.nodes], dtype=np.float64).reshape(-1, 3)
+        snapshots = np.array([snapshot for _, _, snapshot in now.nodes], dtype=np.bool_)
         self._write(topics.NODES, log.NodePoses(poses))
-        self._write(topics.GRAPH, graph)
-        self._map_stale, self._map_age, self._map_size = False, 0, len(nodes)
+        self._write(topics.GRAPH, log.Graph(poses, snapshots, _rows(now, "odometry"), _rows(now, "closure")))
+        self._map_stale, self._map_age, self._map_size = False, 0, len(now.nodes)
+
+
+def _rows(now: MapNow, kind: str) -> IntArray:
+    """Return (M, 2) the rows of the nodes that edges of a kind join."""
+    place = {id: row for row, (id, _, _) in enumerate(now.nodes)}
+    pairs = [(place[a], place[b]) for a, b, own in now.edges if own == kind]
+    return np.array(pairs, dtype=np.int64).reshape(-1, 2)
 
 
 def _final(final: FinalMap) -> log.Final:
