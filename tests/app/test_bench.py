@@ -1,12 +1,14 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from topomap.app import graph_bench
 from topomap.app.bench import available, parse_point, parse_seeds, request, run_study
 from topomap.app.graph_bench import find_graph
 from topomap.app.views import WorldViews, world_arena, world_recipe
@@ -113,6 +115,29 @@ def test_the_identity_of_a_world_knows_its_code() -> None:
     assert len(world_recipe("ourlab", 0).identity) == 128
 
 
-def test_an_unknown_pose_graph_is_one_clear_line() -> None:
-    with pytest.raises(DataError, match="no pose graph 'nowhere': neither a file nor"):
+@pytest.mark.parametrize("named", [True, False])
+def test_an_unknown_pose_graph_is_one_clear_line(named: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("TOPOMAP_DATA", str(tmp_path) if named else "")
+    place = str(tmp_path / "pose-graphs" / "nowhere.g2o") if named else "TOPOMAP_DATA names no folder"
+    with pytest.raises(DataError, match=f"no pose graph 'nowhere': .*{re.escape(place)}") as error:
         find_graph("nowhere")
+    assert "\n" not in str(error.value)
+
+
+def test_a_pose_graph_is_a_path_or_in_the_data_folder_or_an_example_and_nowhere_else(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A data folder beside the program, which nobody named, isn't looked into."""
+    home = tmp_path / "main" / "topomap" / "app"
+    for folder in (tmp_path / "shared" / "data", tmp_path / "data"):
+        (folder / "pose-graphs").mkdir(parents=True)
+        (folder / "pose-graphs" / "mine.g2o").write_text("")
+    monkeypatch.setattr(graph_bench, "__file__", str(home / "graph_bench.py"))
+    monkeypatch.delenv("TOPOMAP_DATA", raising=False)
+    with pytest.raises(DataError, match="no pose graph 'mine'"):
+        find_graph("mine")
+    assert find_graph("w10000").name.startswith("w10000")
+    mine = tmp_path / "data" / "pose-graphs" / "mine.g2o"
+    assert find_graph(str(mine)) == mine
+    monkeypatch.setenv("TOPOMAP_DATA", str(tmp_path / "data"))
+    assert find_graph("mine") == mine

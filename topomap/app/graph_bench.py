@@ -21,14 +21,15 @@ def find_graph(name: str) -> Path:
     """Return a set's file: a path, one under TOPOMAP_DATA/pose-graphs, or gtsam's example. Raises DataError."""
     if Path(name).is_file():
         return Path(name)
-    data = Path(os.environ.get("TOPOMAP_DATA") or Path(__file__).resolve().parents[3] / "shared" / "data")
-    local = data / "pose-graphs" / f"{name}.g2o"
-    if local.is_file():
+    data = os.environ.get("TOPOMAP_DATA")
+    local = Path(data) / "pose-graphs" / f"{name}.g2o" if data else None
+    if local is not None and local.is_file():
         return local
     try:
         return example(name)
     except DataError as error:
-        raise DataError(f"no pose graph '{name}': neither a file nor {local} nor an example of gtsam") from error
+        looked = f"no file {local}" if local else "TOPOMAP_DATA names no folder with pose-graphs/ in it"
+        raise DataError(f"no pose graph '{name}': no such file, {looked}, and no example of gtsam") from error
 
 
 def read_sets(names: Sequence[str]) -> list[PoseGraph]:
