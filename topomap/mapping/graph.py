@@ -157,10 +157,11 @@ class TopoMap:
         """Return the SHA-256 over nodes, views, edges, poses and verdicts (stamp, match, verdict, reason)."""
         digest = hashlib.sha256()
         for node in self.nodes:
-            digest.update(f"{node.stamp_ns} {node.travel!r}".encode())
+            digest.update(f"{node.stamp_ns} {float(node.travel)!r}".encode())
             digest.update(node.snapshot.encoded if node.snapshot else b"pose")
         edges = [(c.i, c.j, list(c.relative.array())) for c in self.closures]
-        digest.update(json.dumps([self.chain, edges, verdicts]).encode())
+        said = [(int(stamp_ns), int(match), verdict, reason) for stamp_ns, match, verdict, reason in verdicts]
+        digest.update(json.dumps([self.chain, edges, said]).encode())
         digest.update(np.ascontiguousarray(self.poses).tobytes())
         return digest.hexdigest()
 
