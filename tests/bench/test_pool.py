@@ -64,7 +64,9 @@ def files(root: Path, patterns: tuple[str, ...]) -> set[str]:
 
 def imported() -> set[str]:
     """All files of the package that the tasks' files import, at any depth."""
-    waiting = [path for name in KEPT for path in ([ROOT / name] if name.endswith(".py") else (ROOT / name).rglob("*.py"))]
+    waiting = [
+        path for name in KEPT for path in ([ROOT / name] if name.endswith(".py") else (ROOT / name).rglob("*.py"))
+    ]
     seen: set[Path] = set()
     while waiting:
         path = waiting.pop()

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from topomap.core.arrays import FloatArray, IntArray
 from topomap.core.errors import TopomapError
 from topomap.core.geometry import Pose2
+from topomap.core.records import UNKNOWN_HEADING as UNKNOWN_HEADING  # what closures say of it, the back end reads
 from topomap.mapping.odometry.increments import Calibration, Increments
 
-UNKNOWN_HEADING = 1.0  # [rad^2] a heading variance above this says that the heading isn't known
 PRIOR_SIGMAS = (0.05, 0.01, 0.1)  # log rotation scale, curvature [rad/m], log distance scale
 
 

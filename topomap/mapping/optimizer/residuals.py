@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from topomap.core.arrays import FloatArray, IntArray
 from topomap.core.geometry import between, wrap_all
+from topomap.core.records import UNKNOWN_HEADING
 from topomap.mapping.odometry.increments import Calibration, Preintegrated
-from topomap.mapping.optimizer.problem import UNKNOWN_HEADING, Closures
+from topomap.mapping.optimizer.problem import Closures
 
 # no odometer does better over an edge: keeps a parked robot's edges from becoming infinitely stiff
 FLOOR = np.diag([2e-3, 2e-3, 5e-4]) ** 2

@@ -9,8 +9,9 @@ import numpy as np
 
 from topomap.core.arrays import FloatArray, IntArray
 from topomap.core.geometry import between, compose
+from topomap.core.records import UNKNOWN_HEADING
 from topomap.mapping.odometry.increments import Calibration
-from topomap.mapping.optimizer.problem import UNKNOWN_HEADING, Closures, OdometryEdge, Problem, Solution, TurnEdge
+from topomap.mapping.optimizer.problem import Closures, OdometryEdge, Problem, Solution, TurnEdge
 from topomap.mapping.optimizer.settings import OptimizerSettings
 from topomap.mapping.optimizer.solver import solve
 from topomap.mapping.uncertainty.odometry_chain import turned_by
