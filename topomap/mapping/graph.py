@@ -16,7 +16,7 @@ from topomap.core.arrays import Float32Array, FloatArray, IntArray
 from topomap.core.geometry import Pose2, compose, wrap_all
 from topomap.core.robot import RigReading
 from topomap.mapping.odometry.increments import Calibration, Increments, integrate, track
-from topomap.mapping.optimizer.problem import ClosureEdge
+from topomap.mapping.optimizer.problem import ClosureEdge, TurnEdge
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +56,7 @@ class Node:
 
 
 class TopoMap:
-    """Nodes, their poses, odometry edges along the travelled chain, and closures.
+    """Nodes, their poses, odometry edges along the travelled chain, closures, and turns measured between snapshots.
 
     Node ids count up in the order of creation; `chain` lists them in travel order (a pose node that was inserted
     later stands between its neighbours). Only Mapper changes a map.
@@ -66,6 +66,7 @@ class TopoMap:
         self.nodes: list[Node] = []
         self.chain: list[int] = []
         self.closures: list[ClosureEdge] = []
+        self.turns: list[TurnEdge] = []
         self.calibration = Calibration()
         self.graph: nx.Graph[int] = nx.Graph()
         self._poses = np.zeros((64, 3))
@@ -172,6 +173,7 @@ class TopoMap:
         chain: list[int],
         edges: list[Increments],
         closures: list[ClosureEdge],
+        turns: list[TurnEdge],
     ) -> None:
         """Fill an empty map with saved contents: edges (len(chain) - 1) along the chain. Raises ValueError."""
         if sorted(chain) != list(range(len(nodes))) or poses.shape != (len(nodes), 3):
@@ -183,6 +185,7 @@ class TopoMap:
             self._join(a, b, increments)
         for edge in closures:
             self.close(edge)
+        self.turns = turns
 
     def _store(self, node: Node, pose: FloatArray, place: int) -> int:
         new = len(self.nodes)

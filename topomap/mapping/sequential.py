@@ -43,7 +43,11 @@ class SequentialConstraints:
         self._aligner = aligner
         self._map = topo
         self._scale = DistanceScale(settings.distance)
-        self.turns: list[TurnEdge] = []
+
+    @property
+    def turns(self) -> list[TurnEdge]:
+        """The turns measured so far, oldest first; the map keeps them."""
+        return self._map.turns
 
     @property
     def distance_scale(self) -> Estimate:
