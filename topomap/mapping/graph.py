@@ -106,12 +106,14 @@ class TopoMap:
     def close(self, edge: ClosureEdge) -> None:
         """Add an accepted closure (`edge.i` the old node, `edge.j` the new one)."""
         self.closures.append(edge)
-        self.graph.add_edge(edge.i, edge.j, kind="closure")
+        if not self.graph.has_edge(edge.i, edge.j):
+            self.graph.add_edge(edge.i, edge.j, kind="closure")
 
-    def open(self, edge: ClosureEdge) -> None:
+    def remove(self, edge: ClosureEdge) -> None:
         """Take an accepted closure back."""
         self.closures.remove(edge)
-        self.graph.remove_edge(edge.i, edge.j)
+        if self.graph.edges[edge.i, edge.j]["kind"] == "closure":
+            self._part(edge.i, edge.j)
 
     def move(self, poses: FloatArray, calibration: Calibration) -> None:
         """Set the poses (n, 3) of the first nodes and the calibration: what a solution does.
@@ -201,13 +203,19 @@ class TopoMap:
         self._increments[a, b] = increments
         self.graph.add_edge(a, b, kind="odometry")
 
+    def _part(self, a: int, b: int) -> None:
+        """Take away what joins two nodes in the graph, but for the closures there are between them."""
+        self.graph.remove_edge(a, b)
+        if any({c.i, c.j} == {a, b} for c in self.closures):
+            self.graph.add_edge(a, b, kind="closure")
+
     def _split(self, a: int, b: int, place: int, stamp_ns: int) -> int:
         whole = self._increments.pop((a, b))
         first, second = whole.split(int(np.searchsorted(whole.stamps_ns, stamp_ns)) + 1)
         travel = self.nodes[a].travel + float(np.abs(first.deltas[:, 0]).sum())
         pose = self._steps(a, b, whole)[len(first) - 1]
         new = self._store(Node(stamp_ns, travel, None), pose, place)
-        self.graph.remove_edge(a, b)
+        self._part(a, b)
         self._join(a, new, first)
         self._join(new, b, second)
         return new

@@ -1,6 +1,7 @@
 """The door to gtsam: a pose graph with unknown odometry errors in, corrected poses out."""
 
 from topomap.mapping.optimizer.problem import AxisEdge, ClosureEdge, Closures, OdometryEdge, Problem, Solution, TurnEdge
+from topomap.mapping.optimizer.relative_edges import RelativeEdges, relative_edges
 from topomap.mapping.optimizer.settings import OptimizerSettings
 from topomap.mapping.optimizer.solver import Slices, solve, solving
 from topomap.mapping.optimizer.window import Recent, solve_recent
@@ -13,9 +14,11 @@ __all__ = [
     "OptimizerSettings",
     "Problem",
     "Recent",
+    "RelativeEdges",
     "Slices",
     "Solution",
     "TurnEdge",
+    "relative_edges",
     "solve",
     "solve_recent",
     "solving",

@@ -134,6 +134,10 @@ class Graph:
             calibration_jacobian(odometry, state.poses, self.problem.anchor),
         )
 
+    def turn_weights(self, at: Linearised) -> FloatArray:
+        """Return (T,) what each measured turn counts: 1 where it fits, less the further it is off."""
+        return geman_mcclure(at.turns.chi2(), self._turn_cutoffs)
+
     def error(self, at: Linearised, weights: FloatArray) -> float:
         """Return the squared error with closure weights (M,)."""
         return self._firm(at) + float(weights @ at.closures.chi2())
