@@ -12,7 +12,7 @@ from played import Played, taught
 from synthetic_run import make_run
 
 from topomap.app.config import load_config
-from topomap.app.export import export_run, g2o_text, nodes_text, trajectories, write_tum
+from topomap.app.export import g2o_text, nodes_text, trajectories, write_tum
 from topomap.app.wiring import build_navigator
 from topomap.core.arrays import FloatArray, IntArray
 from topomap.core.geometry import between, compose, wrap_all
@@ -21,7 +21,6 @@ from topomap.datasets.g2o import read_graph
 from topomap.evaluation.trajectory import position_errors
 from topomap.mapping.graph import TopoMap
 from topomap.mapping.map_problem import map_problem
-from topomap.mapping.mapfile import save_map
 from topomap.mapping.optimizer import ClosureEdge, relative_edges
 from topomap.mapping.optimizer.objective import Graph, State
 from topomap.mapping.optimizer.settings import OptimizerSettings

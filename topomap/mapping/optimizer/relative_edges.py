@@ -28,6 +28,10 @@ class RelativeEdges(NamedTuple):
     relative: FloatArray
     covariance: FloatArray
 
+    def some(self, part: BoolArray) -> RelativeEdges:
+        """Return those of the edges that part (E,) chooses."""
+        return RelativeEdges(self.i[part], self.j[part], self.relative[part], self.covariance[part])
+
 
 def relative_edges(problem: Problem, settings: OptimizerSettings | None = None) -> RelativeEdges:
     """Return all edges at the problem's poses and calibration, which must be solved, so that both keep their optimum.
@@ -41,12 +45,14 @@ def relative_edges(problem: Problem, settings: OptimizerSettings | None = None) 
     pairs = {pair: row for row, pair in enumerate(zip(odometry.i.tolist(), odometry.j.tolist(), strict=True))}
     rows = np.array([pairs.get(pair, -1) for pair in zip(turns.i.tolist(), turns.j.tolist(), strict=True)], np.int64)
     beside = rows >= 0
-    joined = _joined(odometry, rows[beside], _some(turns, beside))
-    return RelativeEdges(*map(np.concatenate, zip(joined, _some(turns, ~beside), closures, strict=True)))
-
-
-def _some(edges: RelativeEdges, part: BoolArray) -> RelativeEdges:
-    return RelativeEdges(*(values[part] for values in edges))
+    joined = _joined(odometry, rows[beside], turns.some(beside))
+    parts = (joined, turns.some(~beside), closures)
+    return RelativeEdges(
+        np.concatenate([part.i for part in parts]),
+        np.concatenate([part.j for part in parts]),
+        np.concatenate([part.relative for part in parts]),
+        np.concatenate([part.covariance for part in parts]),
+    )
 
 
 def _odometry(problem: Problem) -> RelativeEdges:
