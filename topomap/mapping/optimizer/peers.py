@@ -8,7 +8,7 @@ from typing import NamedTuple
 import gtsam
 import numpy as np
 
-from topomap.core.arrays import FloatArray
+from topomap.core.arrays import BoolArray, FloatArray
 from topomap.core.geometry import compose
 from topomap.mapping.optimizer.problem import Closures
 
@@ -20,7 +20,7 @@ class PeerResult(NamedTuple):
     """What a peer found: poses (N, 3), and which closures (M,) it believes."""
 
     poses: FloatArray
-    believed: np.ndarray[tuple[int], np.dtype[np.bool_]]
+    believed: BoolArray
 
 
 def levenberg_marquardt(odometry: FloatArray, covariance: FloatArray, closures: Closures) -> PeerResult:

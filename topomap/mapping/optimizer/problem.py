@@ -7,9 +7,8 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
-from topomap.core.arrays import FloatArray, IntArray
+from topomap.core.arrays import BoolArray, FloatArray, IntArray
 from topomap.core.errors import TopomapError
 from topomap.core.geometry import Pose2
 from topomap.core.records import UNKNOWN_HEADING as UNKNOWN_HEADING  # what closures say of it, the back end reads
@@ -87,7 +86,7 @@ class Closures:
             np.array([e.weight for e in edges], float),
         )
 
-    def __getitem__(self, part: NDArray[np.bool_] | IntArray | slice) -> Closures:
+    def __getitem__(self, part: BoolArray | IntArray | slice) -> Closures:
         return Closures(self.i[part], self.j[part], self.relative[part], self.covariance[part], self.weight[part])
 
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from topomap.core.arrays import FloatArray, IntArray
+from topomap.core.arrays import BoolArray, FloatArray, IntArray
 from topomap.core.geometry import between, wrap_all
 from topomap.core.records import UNKNOWN_HEADING
 from topomap.mapping.odometry.increments import Calibration, Preintegrated
@@ -35,7 +34,7 @@ class Residuals(NamedTuple):
         """Return (n,) squared errors."""
         return np.asarray((self.residual**2).sum(axis=1))
 
-    def among(self, part: NDArray[np.bool_]) -> Residuals:
+    def among(self, part: BoolArray) -> Residuals:
         """Return some (n,) of the residuals."""
         calibration = None if self.by_calibration is None else self.by_calibration[part]
         return Residuals(self.i[part], self.j[part], self.by_i[part], self.by_j[part], calibration, self.residual[part])
@@ -129,7 +128,7 @@ def closure_chi2(poses: FloatArray, closures: Closures, extra: FloatArray) -> Fl
 
 
 def _free_heading(
-    poses: FloatArray, closures: Closures, blind: NDArray[np.bool_],
+    poses: FloatArray, closures: Closures, blind: BoolArray,
     residual: FloatArray, by_i: FloatArray, by_j: FloatArray,
 ) -> None:  # fmt: skip
     """Rewrite the blind rows in the map frame."""

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from topomap.core.arrays import Float32Array, IntArray
-from topomap.vision.image.compare import Complex64Array, RotationDifferences, Signature, rotation_differences
+from topomap.core.arrays import Complex64Array, Float32Array, IntArray
+from topomap.vision.image.compare import RotationDifferences, Signature, rotation_differences
 
 FREQUENCIES = 16
 BLOCK = 64
