@@ -310,6 +310,16 @@ def test_viewers_see_the_map_and_the_frames(path: Path) -> None:
     assert "contact" in texts
 
 
+def test_what_the_last_solve_withdrew_is_in_the_log(tmp_path: Path) -> None:
+    with Recorder(tmp_path / "run.mcap", run_header("room", SomeRig())) as recorder:
+        run = RunRecorder(recorder, _map)
+        for step in range(STEPS):
+            run.observe(_reading(step), _record(step))
+        run.finish(replace(_final(), decisions=(_decision(Verdict.WITHDRAWN, STEPS - 1),)))
+    verdicts = [decision.verdict for decision in load_run(tmp_path / "run.mcap").decisions]
+    assert verdicts == [Verdict.PENDING, Verdict.ACCEPTED, Verdict.WITHDRAWN]
+
+
 def test_the_drawn_edges_are_the_maps_own(tmp_path: Path) -> None:
     """Node 3 was inserted between 0 and 1: 2 and 3 aren't joined, and what was withdrawn isn't drawn."""
     at = [Pose2(), Pose2(2.0), Pose2(3.0), Pose2(1.0)]

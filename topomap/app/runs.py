@@ -129,8 +129,10 @@ def _finish(navigator: Navigator, watch: _Watch, seconds: float, folder: RunFold
     """End the map and write it into the log and beside it."""
     if watch.last is None:
         return
+    said = len(navigator.mapper.ledger.decisions)
     navigator.mapper.finish(watch.last.stamp_ns)
-    watch.recorder.finish(_final_map(navigator, watch.last, watch.steps / seconds))
+    unsaid = tuple(navigator.mapper.ledger.decisions[said:])
+    watch.recorder.finish(replace(_final_map(navigator, watch.last, watch.steps / seconds), decisions=unsaid))
     save_map(navigator.mapper.map, folder.map)
 
 

@@ -12,7 +12,7 @@ from logs import topics
 from logs.recorder import Recorder
 from topomap.core.arrays import FloatArray, IntArray
 from topomap.core.geometry import Pose2
-from topomap.core.records import CalibrationState, MapChange, StepRecord, Travel, Verdict
+from topomap.core.records import CalibrationState, Decision, MapChange, StepRecord, Travel, Verdict
 from topomap.core.robot import Reading, Truth, TruthSource
 from topomap.recording import encode
 
@@ -30,7 +30,8 @@ class FinalMap:
     """The finished map for the log, N steps.
 
     stamps_ns (N,); poses (N, 3) the trajectory in the map frame; nodes (id, stamp [ns], pose, snapshot); edges
-    (a, b, kind); claimed: the robot said it arrived, None when it wasn't sent anywhere.
+    (a, b, kind); claimed: the robot said it arrived, None when it wasn't sent anywhere; decisions: the verdicts that
+    the last solve, after the last step, changed.
     """
 
     stamps_ns: IntArray
@@ -42,6 +43,7 @@ class FinalMap:
     steps_per_s: float | None = None
     claimed: bool | None = None
     goal_node: int | None = None
+    decisions: tuple[Decision, ...] = ()
 
 
 class RunRecorder:
@@ -74,6 +76,7 @@ class RunRecorder:
 
     def finish(self, final: FinalMap) -> None:
         """Write the finished map and its trajectory; raises LogError when the log can't be written."""
+        self._write_decisions(final.decisions)
         # the last solve moved every node: what viewers show last is the finished map
         self._send_map(MapNow(tuple((id, pose, snapshot) for id, _, pose, snapshot in final.nodes), final.edges))
         self._write(topics.FINAL, _final(final))
@@ -124,11 +127,15 @@ class RunRecorder:
         self._write(topics.DIFFERENCE, encode.difference(change, travel))
         for node in change.added:
             self._write(topics.NODE, encode.node(node))
-        for decision in change.decisions:
-            self._write(topics.CLOSURES, encode.closure(decision))
+        self._write_decisions(change.decisions)
         if change.calibration not in (None, self._calibration):
             self._calibration = change.calibration
             self._write(topics.CALIBRATION, encode.calibration(change.calibration))
+
+    def _write_decisions(self, decisions: tuple[Decision, ...]) -> None:
+        for decision in decisions:
+            self._write(topics.CLOSURES, encode.closure(decision))
+            self._say(encode.level(decision.verdict), "closure", encode.sentence(decision))
 
     def _write_mission(self, record: StepRecord) -> None:
         goal, travel, command = record.goal, record.travel, record.command
@@ -147,8 +154,6 @@ class RunRecorder:
     def _write_text(self, reading: Reading, record: StepRecord) -> None:
         for node in record.change.added:
             self._say(log.Level.INFO, "map", f"node {node.node}: {node.reason}")
-        for decision in record.change.decisions:
-            self._say(encode.level(decision.verdict), "closure", encode.sentence(decision))
         phase, note, contact = self._said
         travel = record.travel
         if travel.phase.value != phase:
