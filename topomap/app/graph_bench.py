@@ -44,7 +44,7 @@ def run_bench(
     limits: PeerLimits,
     told: Callable[[Row], None],
 ) -> list[Row]:
-    """Run the test; `told` hears every row as it is measured."""
+    """Run the test; `told` is called with every row as it is measured."""
     rows = []
     for graph in graphs:
         for row in bench(graph, seeds, peers=peers, limits=limits):

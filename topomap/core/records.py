@@ -119,7 +119,7 @@ class Estimate:
 
 @dataclass(frozen=True, slots=True)
 class CalibrationState:
-    """The odometry's systematic errors as believed now (conventions: this module's docstring)."""
+    """The odometry's systematic errors as estimated now (conventions: this module's docstring)."""
 
     rotation_scale: Estimate
     distance_scale: Estimate

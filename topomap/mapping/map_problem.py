@@ -6,7 +6,7 @@ from topomap.core.errors import TopomapError
 from topomap.mapping.graph import TopoMap
 from topomap.mapping.optimizer import Closures, OdometryEdge, Problem
 
-# what scans and views told of the odometry's errors isn't in the map: the calibration stays nearly as it was found
+# the measured distances that the calibration was found with aren't in the map: it stays nearly as it was found
 KEPT_SIGMAS = (0.01, 0.002, 0.01)
 
 

@@ -1,4 +1,4 @@
-"""The one translator between the stack's records and the log's."""
+"""The recorder of a run: every step and the finished map as records of the log."""
 
 from __future__ import annotations
 

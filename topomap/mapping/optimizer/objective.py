@@ -1,4 +1,4 @@
-"""Poses and calibration together: errors, weights and one Gauss-Newton step."""
+"""The objective: all residuals at a state, their weights, and one Gauss-Newton step of poses and calibration."""
 
 from __future__ import annotations
 
@@ -88,8 +88,10 @@ class Graph:
         return np.asarray(beside & first)
 
     def _turn_allowance(self) -> FloatArray:
-        """Return (n,) how far off the seen turns odometry may begin [rad^2]: where it is the worse of the two, a
-        right turn looks like a wrong one at first.
+        """Return (n,) the variance [rad^2] that odometry itself has over each measured turn.
+
+        It widens the turn's cutoff: before the odometry is calibrated, a correct turn may disagree with it by many of
+        the turn's own sigmas, and would be faded out as an outlier.
         """
         if not len(self._turns):
             return np.zeros(0)
@@ -154,8 +156,8 @@ class Graph:
 
     def system(self, at: Linearised, weights: FloatArray) -> LinearSystem:
         """Return the linear system with closure weights (M,), in poses that the calibration carries along."""
-        heard = weights > WEIGHTLESS
-        closures = with_calibration(at.closures.among(heard), at.calibration_jacobian)
+        used = weights > WEIGHTLESS
+        closures = with_calibration(at.closures.among(used), at.calibration_jacobian)
         inside, across = [], []
         for blocks, on_edge, cutoff in (
             (at.turns, self._turn_on_edge, self._turn_cutoffs),
@@ -170,11 +172,11 @@ class Graph:
         system.add_calibration_prior(at.prior, self._sigmas)
         for blocks in across:
             system.add(blocks)
-        system.add(closures.weighted(weights[heard]))
+        system.add(closures.weighted(weights[used]))
         return system
 
     def _condensed(self, odometry: Residuals, inside: list[Residuals], across: list[Residuals]) -> Condensed | None:
-        """Return the chain without the nodes that nothing but their neighbours on it sees."""
+        """Return the chain without the nodes that only its own edges touch; the anchor stays."""
         if not len(self._pairs):
             return None
         seen = np.zeros(len(self.problem.poses), bool)

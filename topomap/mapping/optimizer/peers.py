@@ -17,7 +17,7 @@ BELIEVED = 3.4  # sigmas: 99 % at 3 dof, as in OptimizerSettings
 
 
 class PeerResult(NamedTuple):
-    """What a peer found: poses (N, 3), and which closures (M,) it believes."""
+    """What a peer found: poses (N, 3), and which closures (M,) are inliers to it."""
 
     poses: FloatArray
     believed: BoolArray

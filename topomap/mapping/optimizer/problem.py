@@ -1,4 +1,4 @@
-"""What the back end is asked and what it answers."""
+"""Problem and Solution of the back end: odometry, closures and turns in; poses, calibration and inliers out."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class ClosureEdge:
 
 @dataclass(frozen=True, slots=True)
 class TurnEdge:
-    """A turn [rad] seen from node i to node j (visual compass), with its sigma [rad]."""
+    """A turn [rad] measured from node i to node j, by scans or by the visual compass, with its sigma [rad]."""
 
     i: int
     j: int
@@ -152,8 +152,8 @@ class Problem:
 class Solution:
     """What the back end found; refused (improved False) it holds the problem's own poses and calibration.
 
-    poses (N, 3); calibration_covariance (3, 3) of `Calibration.vector`; closure_weights (M,) in [0, 1], at
-    least 0.5 for a closure that is believed; error_before, error_after: truncated squared error of start and
+    poses (N, 3); calibration_covariance (3, 3) of `Calibration.vector`; closure_weights (M,) in [0, 1], at least 0.5
+    for an inlier; error_before, error_after: truncated squared error of start and
     result.
     """
 

@@ -68,12 +68,12 @@ def _turns(problem: Problem, graph: Graph) -> RelativeEdges:
     pairs = np.array([(t.i, t.j) for t in problem.turns], np.int64).reshape(-1, 2)
     measured = np.array([(t.turn, t.sigma) for t in problem.turns]).reshape(-1, 2)
     weights = graph.turn_weights(graph.linearise(graph.start()))
-    heard = weights > WEIGHTLESS
-    i, j = pairs[heard].T
+    used = weights > WEIGHTLESS
+    i, j = pairs[used].T
     relative = between(problem.poses[i], problem.poses[j])
-    relative[:, 2] = measured[heard, 0]
+    relative[:, 2] = measured[used, 0]
     covariance = np.tile(np.diag([UNSAID, UNSAID, 0.0]) ** 2, (len(i), 1, 1))
-    covariance[:, 2, 2] = measured[heard, 1] ** 2 / weights[heard]
+    covariance[:, 2, 2] = measured[used, 1] ** 2 / weights[used]
     return RelativeEdges(i, j, relative, covariance)
 
 

@@ -32,7 +32,7 @@ class Network(NamedTuple):
 
 
 class Near(NamedTuple):
-    """Pairs (P,) of a closure and one near it, the how manieth of its nearest that is, from 1, and the covariances
+    """Pairs (P,) of a closure and one near it, its rank among the nearest of that one, from 1, and the covariances
     (P, 3, 3) of `ia_from_ib` and `ja_from_jb`.
     """
 
@@ -44,11 +44,11 @@ class Near(NamedTuple):
 
 
 class Paths:
-    """The chain and its believed closures as a network.
+    """The chain and its inlier closures as a network.
 
     Errors carried to the map's origin add up along a way whatever its shape (see `Chain`), so a way's covariance is
-    a sum over its edges, and ways that share no edge tell the same independently. The best of them are those with the
-    least variance of heading; what they say together is an upper bound, as other ways can only add to what is known.
+    a sum over its edges, and ways that share no edge are independent measurements of the same relative pose. Those with
+    the least variance of heading are combined: an upper bound, as further ways could only lower it.
     """
 
     def __init__(self, chain: Chain, closures: Closures) -> None:
