@@ -27,7 +27,7 @@ from topomap.mapping.optimizer.settings import OptimizerSettings
 from topomap.navigation.runner import run
 
 STEPS = 260
-OPTIMUM_M, OPTIMUM_RAD = 2e-3, 2e-3  # the back end stops at steps of 1e-3 m or rad
+OPTIMUM_M, OPTIMUM_RAD = 5e-4, 1e-4
 RUN = make_run()
 
 
