@@ -11,8 +11,12 @@ import time
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+from mcap.reader import make_reader
+from mcap_protobuf.decoder import DecoderFactory
 
+from topomap.datasets.g2o import read_graph
 from topomap.mapping.mapfile import load_map
 from topomap.recording.run_reader import load_run
 
@@ -67,6 +71,21 @@ def test_the_log_stays_small_and_the_map_loads(finished: tuple[Path, dict[str, A
     assert sum(node.snapshot is not None for node in topo.nodes) == summary["snapshots"]
 
 
+def test_viewers_end_on_the_finished_map(finished: tuple[Path, dict[str, Any]]) -> None:
+    data, drawn = load_run(finished[0] / "run.mcap"), drawn_edges(finished[0] / "run.mcap")
+    at = {node.node: tuple(np.round(node.pose[:2], 6).tolist()) for node in data.nodes}
+    assert sorted(map(sorted, drawn)) == sorted(sorted((at[a], at[b])) for a, b, _ in data.edges)
+
+
+def drawn_edges(path: Path) -> list[tuple[tuple[float, float], tuple[float, float]]]:
+    """Both ends (x, y) of every edge in the last drawing of the map."""
+    with path.open("rb") as file:
+        reader = make_reader(file, decoder_factories=[DecoderFactory()])
+        last = [p for _, _, _, p in reader.iter_decoded_messages(topics=["/map/graph"])][-1]
+    ends = [(round(p.x, 6), round(p.y, 6)) for line in last.entities[0].lines for p in line.points]
+    return list(zip(ends[::2], ends[1::2], strict=True))
+
+
 def test_a_replay_gives_the_same_map(finished: tuple[Path, dict[str, Any]], tmp_path: Path) -> None:
     folder, summary = finished
     done = topomap("replay", str(folder / "run.mcap"), "--out", "again", cwd=tmp_path)
@@ -88,14 +107,14 @@ def test_a_replay_with_another_setting_gives_another_map(finished: tuple[Path, d
 def test_export_writes_what_other_tools_read(finished: tuple[Path, dict[str, Any]], tmp_path: Path) -> None:
     done = topomap("export", str(finished[0] / "run.mcap"), "--tum", "--g2o", "--out", str(tmp_path), cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    rows = [row.split() for row in (tmp_path / "map.tum").read_text().splitlines()]
+    lines = (tmp_path / "map.tum").read_text().splitlines()
+    rows = [line.split() for line in lines if not line.startswith("#")]
     assert len(rows) == finished[1]["steps"]
     assert {len(row) for row in rows} == {8}
-    graph = (tmp_path / "map.g2o").read_text()
-    closures = load_map(finished[0] / "run.topomap").closures
-    topo = load_map(finished[0] / "run.topomap")
-    assert graph.count("VERTEX_SE2") == len(topo.nodes)
-    assert graph.count("EDGE_SE2") == len(topo.nodes) - 1 + len(closures)
+    topo, graph = load_map(finished[0] / "run.topomap"), read_graph(tmp_path / "map.g2o")
+    assert graph.nodes == len(topo.nodes)
+    inserted = sum(abs(topo.chain.index(t.j) - topo.chain.index(t.i)) > 1 for t in topo.turns)
+    assert len(graph.i) == len(topo.closures) + inserted
 
 
 def test_the_audit_trail_agrees_with_the_summary(finished: tuple[Path, dict[str, Any]], tmp_path: Path) -> None:

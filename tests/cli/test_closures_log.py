@@ -19,7 +19,7 @@ from topomap.cli.main import main
 from topomap.core.geometry import Pose2
 from topomap.core.records import Candidate, Decision, StepRecord, Verdict
 from topomap.recording.encode import run_header
-from topomap.recording.recorder import RunRecorder
+from topomap.recording.recorder import MapNow, RunRecorder
 
 STEPS = 26
 
@@ -71,7 +71,7 @@ def trail(tmp_path_factory: pytest.TempPathFactory) -> Trail:
     header = run_header("trail", robot.rig, 0, config.resolved(), start=truths[0])
     for name, known in (("run.mcap", True), ("blind.mcap", False)):
         with Recorder(folder / name, header) as recorder:
-            steps = RunRecorder(recorder, list)
+            steps = RunRecorder(recorder, MapNow)
             for reading, record, truth in zip(readings, changed, truths, strict=True):
                 steps.observe(reading, record, truth if known else None)
     return Trail(folder / "run.mcap", folder / "blind.mcap", *pairs)

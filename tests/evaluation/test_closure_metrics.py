@@ -10,7 +10,7 @@ import pytest
 from synthetic_run import LAP, candidate, decide, make_run
 
 from topomap.core.geometry import Pose2
-from topomap.core.records import Verdict
+from topomap.core.records import UNKNOWN_HEADING, Verdict
 from topomap.evaluation.closures import count, judge, passes, recalled, runs_of
 
 RUN = make_run()
@@ -46,7 +46,8 @@ def test_a_closure_is_false_when_turned_by_more_than_twenty_degrees(degrees: flo
 def test_an_unknown_heading_is_judged_by_distance_alone() -> None:
     assert RUN.truth is not None
     turned = replace(candidate(RUN, LAP, 0), relative=Pose2(0.0, 0.0, 3.0))
-    vague = replace(turned, covariance=np.diag([1.0, 1.0, 1e6]))
+    vague = replace(turned, covariance=np.diag([1.0, 1.0, 1.01 * UNKNOWN_HEADING]))
+    assert judge(RUN, replace(turned, covariance=np.diag([1.0, 1.0, 0.99 * UNKNOWN_HEADING]))).false  # type: ignore[union-attr]
     headless = replace(RUN, truth=np.column_stack([RUN.truth[:, :2], np.full(len(RUN.stamps_ns), np.nan)]))
     for judgement in (judge(RUN, vague), judge(headless, turned)):
         assert judgement is not None

@@ -9,6 +9,7 @@ from maps import STEP_NS, increments, snapshot, square
 from topomap.core.geometry import Pose2, compose
 from topomap.mapping.graph import Node, TopoMap
 from topomap.mapping.odometry.increments import Calibration
+from topomap.mapping.optimizer import ClosureEdge
 
 
 def test_a_new_node_stands_where_odometry_leads() -> None:
@@ -59,10 +60,34 @@ def test_the_hash_sees_poses_verdicts_and_closures() -> None:
     assert topo.hash([]) == same.hash([])
     assert topo.hash([(1, 2, "accepted", "x")]) != topo.hash([(1, 2, "refused", "x")])
     before = topo.hash([])
-    topo.open(topo.closures[0])
+    topo.remove(topo.closures[0])
     opened = topo.hash([])
     topo.poses[3, 0] += 1e-12
     assert len({before, opened, topo.hash([])}) == 3
+
+
+def test_odometry_stays_where_a_closure_between_neighbours_is_removed() -> None:
+    topo = square()
+    first, second = (ClosureEdge(1, 2, Pose2(x), np.eye(3)) for x in (0.1, 0.2))
+    topo.close(first)
+    topo.close(second)
+    assert topo.graph.edges[1, 2]["kind"] == "odometry"
+    topo.remove(first)
+    node = topo.insert(7 * STEP_NS)
+    assert topo.graph.edges[1, 2]["kind"] == "closure", "odometry now goes by the new node"
+    topo.remove(second)
+    assert not topo.graph.has_edge(1, 2)
+    assert topo.graph.edges[1, node]["kind"] == "odometry"
+
+
+def test_of_two_closures_between_two_nodes_one_stays() -> None:
+    topo = square()
+    for x in (0.1, 0.2):
+        topo.close(ClosureEdge(2, 9, Pose2(x), np.eye(3)))
+    topo.remove(topo.closures[1])
+    assert topo.graph.edges[2, 9]["kind"] == "closure"
+    topo.remove(topo.closures[1])
+    assert not topo.graph.has_edge(2, 9)
 
 
 def test_many_nodes_outgrow_the_first_table() -> None:

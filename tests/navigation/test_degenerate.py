@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable
 from dataclasses import replace
@@ -15,14 +16,18 @@ from typer.testing import CliRunner
 from logs.recorder import Recorder
 from sim2d.records import SimReading
 from topomap.app.config import load_config
+from topomap.app.folder import RunFolder
+from topomap.app.runs import open_world, run_world
 from topomap.app.wiring import build_navigator
 from topomap.cli.main import app
 from topomap.core.errors import DataError, ShapeError
-from topomap.core.records import Phase
+from topomap.core.geometry import Pose2
+from topomap.core.records import Candidate, Phase, Verdict
 from topomap.mapping.mapper import Mapper
 from topomap.navigation.runner import run
 from topomap.recording.encode import run_header
-from topomap.recording.recorder import RunRecorder
+from topomap.recording.recorder import MapNow, RunRecorder
+from topomap.recording.run_reader import load_run
 
 NAN = math.nan
 WIDTH = 720
@@ -118,8 +123,26 @@ def test_a_log_of_one_reading_is_replayed_to_a_whole_run(tmp_path: Path, reading
     config = load_config()
     header = run_header("one reading", readings[0].rig, config=config.resolved())
     with Recorder(tmp_path / "one.mcap", header) as recorder:
-        run(Played(readings[:1]), build_navigator(config.stack), (RunRecorder(recorder, list),))
+        run(Played(readings[:1]), build_navigator(config.stack), (RunRecorder(recorder, MapNow),))
     done = CliRunner().invoke(app, ["replay", str(tmp_path / "one.mcap"), "--out", str(tmp_path / "out")])
     assert done.exit_code == 0, done.output
     assert "0.0 m in 1 steps" in done.output
     assert (tmp_path / "out" / "report.html").exists()
+
+
+def test_what_the_last_solve_decides_reaches_the_log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A closure that only the solve after the last step withdraws isn't reported as accepted."""
+    candidate = Candidate(1, 0, 0, Pose2(), np.eye(3))
+
+    def finish(mapper: Mapper, stamp_ns: int) -> None:
+        mapper.track.node_at(stamp_ns)
+        mapper.ledger.decide(stamp_ns, candidate, Verdict.WITHDRAWN, "the last solve can't fit it")
+
+    monkeypatch.setattr(Mapper, "finish", finish)
+    config, folder = load_config(), RunFolder.create(tmp_path / "out")
+    robot = open_world("room-corridor", 0, config)
+    taken = itertools.count()
+    sense = robot.sense
+    monkeypatch.setattr(robot, "sense", lambda: sense() if next(taken) < 12 else None)
+    run_world(robot, 0, config, folder, lambda _: None)
+    assert [d.reason for d in load_run(folder.log).decisions] == ["the last solve can't fit it"]

@@ -13,7 +13,7 @@ from topomap.navigation.planner import route
 def test_a_closure_shortens_the_way_home() -> None:
     topo = square()
     assert route(topo, 14, 0) == [15, 16, 0]
-    topo.open(topo.closures[0])
+    topo.remove(topo.closures[0])
     assert route(topo, 14, 0) == list(range(13, -1, -1))
 
 

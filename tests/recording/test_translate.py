@@ -41,7 +41,7 @@ from topomap.core.records import (
 from topomap.core.robot import Reading, Robot, TruthSource
 from topomap.core.run_data import TrueCalibration
 from topomap.recording.encode import run_header
-from topomap.recording.recorder import FinalMap, RunRecorder
+from topomap.recording.recorder import FinalMap, MapNow, RunRecorder
 from topomap.recording.run_reader import load_run
 
 EPOCH, STEP, STEPS = 1_700_000_000_000_000_000, 250_000_000, 30
@@ -150,8 +150,9 @@ def _record(step: int) -> StepRecord:
     )
 
 
-def _nodes() -> list[tuple[int, Pose2, bool]]:
-    return [(0, _pose(0), True), (1, _pose(CLOSED_AT), False)]
+def _map() -> MapNow:
+    nodes = ((0, _pose(0), True), (1, _pose(CLOSED_AT), False))
+    return MapNow(nodes, ((0, 1, "odometry"), (1, 0, "closure")))
 
 
 def _final() -> FinalMap:
@@ -178,7 +179,7 @@ def _write(path: Path, finish: bool = True) -> None:
         plan=PLAN,
     )
     with Recorder(path, header) as recorder:
-        run = RunRecorder(recorder, _nodes)
+        run = RunRecorder(recorder, _map)
         for step in range(STEPS):
             run.observe(_reading(step), _record(step), _truth(step))
         if finish:
@@ -289,8 +290,8 @@ def test_viewers_see_the_map_and_the_frames(path: Path) -> None:
     stamps = [stamp for _, stamp, _ in rows]
     assert stamps == sorted(stamps)
     graphs = [(stamp, p) for topic, stamp, p in rows if topic == topics.GRAPH]
-    assert [stamp for stamp, _ in graphs] == [_stamp(0), _stamp(CLOSED_AT), _stamp(26)]
-    assert [len(g.entities[0].lines) for _, g in graphs] == [1, 1, 2]
+    assert [stamp for stamp, _ in graphs] == [_stamp(0), _stamp(CLOSED_AT), _stamp(26), _stamp(STEPS - 1)]
+    assert [len(g.entities[0].lines) for _, g in graphs] == [2, 2, 2, 2]
     frames = [p for topic, _, p in rows if topic == topics.TRANSFORMS]
     assert len(frames) == STEPS
     assert [(t.parent_frame_id, t.child_frame_id) for t in frames[5].transforms] == [
@@ -307,6 +308,42 @@ def test_viewers_see_the_map_and_the_frames(path: Path) -> None:
     assert "node 1 with node 0 accepted: both say so" in texts
     assert texts.count("turned back") == 1
     assert "contact" in texts
+
+
+def test_what_the_last_solve_withdrew_is_in_the_log(tmp_path: Path) -> None:
+    with Recorder(tmp_path / "run.mcap", run_header("room", SomeRig())) as recorder:
+        run = RunRecorder(recorder, _map)
+        for step in range(STEPS):
+            run.observe(_reading(step), _record(step))
+        run.finish(replace(_final(), decisions=(_decision(Verdict.WITHDRAWN, STEPS - 1),)))
+    verdicts = [decision.verdict for decision in load_run(tmp_path / "run.mcap").decisions]
+    assert verdicts == [Verdict.PENDING, Verdict.ACCEPTED, Verdict.WITHDRAWN]
+
+
+def test_the_drawn_edges_are_the_maps_own(tmp_path: Path) -> None:
+    """Node 3 was inserted between 0 and 1: 2 and 3 aren't joined, and what was withdrawn isn't drawn."""
+    at = [Pose2(), Pose2(2.0), Pose2(3.0), Pose2(1.0)]
+    edges = ((0, 3, "odometry"), (3, 1, "odometry"), (1, 2, "odometry"), (0, 2, "closure"))
+    now = MapNow(tuple((k, pose, True) for k, pose in enumerate(at)), edges)
+    with Recorder(tmp_path / "run.mcap", run_header("room", SomeRig())) as recorder:
+        run = RunRecorder(recorder, lambda: now)
+        run.observe(_reading(0), _record(0))
+        run.observe(_reading(26), _record(26))
+    drawn = _drawn(tmp_path / "run.mcap")
+    assert sorted(drawn) == sorted({at[a].x, at[b].x} for a, b, _ in edges)
+
+
+def test_the_last_drawing_is_the_finished_map(path: Path) -> None:
+    assert _drawn(path) == [{0.5, 1.0}, {0.5, 1.0}]
+
+
+def _drawn(path: Path) -> list[set[float]]:
+    """The x of both ends of each line of the last drawing."""
+    with path.open("rb") as file:
+        reader = make_reader(file, decoder_factories=[DecoderFactory()])
+        drawing = [p for _, c, _, p in reader.iter_decoded_messages(topics=[topics.GRAPH])][-1]
+    ends = [point.x for line in drawing.entities[0].lines for point in line.points]
+    return [set(pair) for pair in zip(ends[::2], ends[1::2], strict=True)]
 
 
 def test_a_cut_off_run_falls_back_on_what_was_believed(tmp_path: Path) -> None:
@@ -345,6 +382,6 @@ def test_the_truth_is_asked_for_where_it_is_not_given(tmp_path: Path) -> None:
             return _truth(0)
 
     with Recorder(tmp_path / "run.mcap", run_header("room", SomeRig())) as recorder:
-        RunRecorder(recorder, _nodes, Source()).observe(_reading(0), _record(0))
+        RunRecorder(recorder, _map, Source()).observe(_reading(0), _record(0))
     with LogReader(tmp_path / "run.mcap") as reader:
         assert next(reader.records(topics.TRUTH, log.Truth))[1].heading == 1 / 3

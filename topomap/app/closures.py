@@ -13,7 +13,7 @@ import numpy as np
 from logs.errors import LogError
 from logs.reader import LogReader
 from logs.replay import decoded
-from topomap.core.arrays import FloatArray
+from topomap.core.arrays import FloatArray, Image
 from topomap.core.errors import DataError, TopomapError
 from topomap.core.geometry import TAU
 from topomap.core.panorama import Panorama
@@ -169,7 +169,7 @@ def _views(log: Path, closure: Closure) -> tuple[Panorama, Panorama] | None:
     return query, match
 
 
-def _middle(panorama: Panorama) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]]:
+def _middle(panorama: Panorama) -> Image:
     """Return the image as people read it: the nose in the middle, clockwise."""
     image = np.roll(panorama.image[:, ::-1], panorama.rig.width // 2, axis=1)
     return np.ascontiguousarray(image)

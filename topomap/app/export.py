@@ -11,10 +11,14 @@ from topomap.core.arrays import FloatArray, IntArray
 from topomap.core.errors import DataError
 from topomap.core.run_data import RunData
 from topomap.evaluation.summary import write_whole
+from topomap.evaluation.trajectory import truth_in_map
 from topomap.mapping.graph import TopoMap
+from topomap.mapping.map_problem import map_problem
 from topomap.mapping.mapfile import load_map
-from topomap.mapping.odometry.increments import integrate
+from topomap.mapping.optimizer import relative_edges
 from topomap.recording.run_reader import load_run
+
+TUM_COLUMNS = "timestamp[s] x[m] y[m] z[m] qx qy qz qw"
 
 
 def export_run(log: Path, out: Path, tum: bool, g2o: bool) -> list[Path]:
@@ -24,13 +28,18 @@ def export_run(log: Path, out: Path, tum: bool, g2o: bool) -> list[Path]:
     """
     written = write_tum(load_run(log), out) if tum else []
     if g2o:
-        written += _write(out, {"map.g2o": g2o_text(load_map(log.with_suffix(".topomap")))})
+        topo = load_map(log.with_suffix(".topomap"))
+        written += _write(out, {"map.g2o": g2o_text(topo), "map-nodes.csv": nodes_text(topo)})
     return written
 
 
 def write_tum(run: RunData, out: Path) -> list[Path]:
     """Write the run's trajectories into a folder as TUM files; return them. Raises DataError."""
-    return _write(out, {f"{name}.tum": tum_text(run.stamps_ns, poses) for name, poses in trajectories(run).items()})
+    texts = {
+        f"{name}.tum": f"# {TUM_COLUMNS}\n# {frame}\n{tum_rows(run.stamps_ns, poses)}"
+        for name, (poses, frame) in trajectories(run).items()
+    }
+    return _write(out, texts)
 
 
 def _write(out: Path, texts: dict[str, str]) -> list[Path]:
@@ -42,13 +51,20 @@ def _write(out: Path, texts: dict[str, str]) -> list[Path]:
     return [out / name for name in texts]
 
 
-def trajectories(run: RunData) -> dict[str, FloatArray]:
-    """Return the run's trajectories (N, 3) by name."""
-    known = {"map": run.final, "online": run.online, "dead_reckoning": run.dead_reckoning}
-    return known if run.truth is None else known | {"truth": run.truth}
+def trajectories(run: RunData) -> dict[str, tuple[FloatArray, str]]:
+    """Return the run's trajectories (N, 3) by name, all in the map frame, and how each came to be in it."""
+    frame = "map frame: it starts at the first pose"
+    own = {"map": run.final, "online": run.online, "dead_reckoning": run.dead_reckoning}
+    known = {name: (poses, frame) for name, poses in own.items()}
+    if run.truth is None:
+        return known
+    truth, how = truth_in_map(run)
+    if not np.isfinite(truth[:, 2]).all():
+        how += "; where the true heading isn't known it is written as 0"
+    return known | {"truth": (truth, f"{frame}; the truth was {how}")}
 
 
-def tum_text(stamps_ns: IntArray, poses: FloatArray) -> str:
+def tum_rows(stamps_ns: IntArray, poses: FloatArray) -> str:
     """Return `t tx ty tz qx qy qz qw` lines of stamps (N,) and poses (N, 3); rows with NaN are left out."""
     rows = []
     for stamp, (x, y, heading) in zip(stamps_ns.tolist(), poses.tolist(), strict=True):
@@ -60,18 +76,42 @@ def tum_text(stamps_ns: IntArray, poses: FloatArray) -> str:
 
 
 def g2o_text(topo: TopoMap) -> str:
-    """Return the map as g2o: VERTEX_SE2, and EDGE_SE2 with calibrated odometry and closures, node 0 fixed."""
-    rows = [f"VERTEX_SE2 {i} {x!r} {y!r} {heading!r}" for i, (x, y, heading) in enumerate(topo.poses.tolist())]
-    for a, b, increments in topo.odometry_edges():
-        delta, covariance, _ = integrate(increments, topo.calibration)
-        rows.append(_edge(a, b, delta, covariance))
-    for closure in topo.closures:
-        rows.append(_edge(closure.i, closure.j, closure.relative.array(), closure.covariance))
-    return "\n".join([*rows, "FIX 0", ""])
+    """Return the map as g2o: VERTEX_SE2 numbered in travel order, the first fixed, and an EDGE_SE2 a constraint.
+
+    Odometry is calibrated and joined with the turns measured over the same edge; turns over several edges leave the
+    position open. Raises TopomapError for a map of one node.
+    """
+    vertices = [f"VERTEX_SE2 {k} {x!r} {y!r} {h!r}" for k, (x, y, h) in enumerate(topo.poses[topo.chain].tolist())]
+    edges = relative_edges(map_problem(topo))
+    place = _places(topo)
+    ends = np.column_stack([place[edges.i], place[edges.j]]).tolist()
+    numbers = np.column_stack([edges.relative, _information(edges.relative, edges.covariance)]).tolist()
+    rows = [" ".join(["EDGE_SE2", *map(str, pair), *map(repr, row)]) for pair, row in zip(ends, numbers, strict=True)]
+    return "\n".join([*vertices, *rows, "FIX 0", ""])
 
 
-def _edge(a: int, b: int, delta: FloatArray, covariance: FloatArray) -> str:
-    # a parked robot's edge has no variance at all
-    information = np.linalg.inv(covariance + 1e-12 * np.eye(3))
-    upper = information[np.triu_indices(3)].tolist()
-    return " ".join(["EDGE_SE2", str(a), str(b), *map(repr, delta.tolist()), *map(repr, upper)])
+def nodes_text(topo: TopoMap) -> str:
+    """Return which node of the map each vertex of the g2o file is, as CSV."""
+    rows = [(k, node, topo.nodes[node]) for k, node in enumerate(topo.chain)]
+    lines = [f"{k},{node},{kept.stamp_ns},{int(kept.snapshot is not None)}" for k, node, kept in rows]
+    return "\n".join(["vertex,node,stamp_ns,snapshot", *lines, ""])
+
+
+def _places(topo: TopoMap) -> IntArray:
+    """Return each node's (N,) place in travel order."""
+    place = np.empty(len(topo.chain), np.int64)
+    place[topo.chain] = np.arange(len(topo.chain))
+    return place
+
+
+def _information(relative: FloatArray, covariance: FloatArray) -> FloatArray:
+    """Return (E, 6) the upper triangles of the information matrices of edges whose covariance is in the start's frame.
+
+    g2o and gtsam measure the error in the frame of the measured end (Kuemmerle et al. 2011, eq. 30).
+    """
+    to_end = np.zeros_like(covariance)
+    c, s = np.cos(relative[:, 2]), np.sin(relative[:, 2])
+    to_end[:, 0, 0], to_end[:, 0, 1], to_end[:, 1, 0], to_end[:, 1, 1], to_end[:, 2, 2] = c, s, -s, c, 1.0
+    information = np.linalg.inv(to_end @ covariance @ to_end.transpose(0, 2, 1))
+    rows, columns = np.triu_indices(3)
+    return np.asarray(information[:, rows, columns])

@@ -11,13 +11,12 @@ import numpy as np
 from topomap.core.errors import TopomapError
 from topomap.core.geometry import Pose2
 from topomap.mapping.graph import TopoMap
+from topomap.mapping.map_problem import map_problem
 from topomap.mapping.mapfile import load_map, save_map
-from topomap.mapping.optimizer import ClosureEdge, Closures, OdometryEdge, OdometryEdges, Problem, Solution, solve
+from topomap.mapping.optimizer import ClosureEdge, solve
 from topomap.mapping.places.view_cache import ViewCache
 from topomap.vision.image.compare import rotation_difference, signature
 
-# a map file holds neither seen turns nor ranges: what they told of the odometry stays nearly as it was found
-KEPT_SIGMAS = (0.01, 0.002, 0.01)
 POSITION_SIGMA, HEADING_SIGMA = 0.35, math.radians(4.0)
 
 
@@ -36,9 +35,7 @@ def withdraw(path: Path, a: int, b: int, out: Path) -> Surgery:
     if not gone:
         raise TopomapError(f"{path}: no closure between nodes {a} and {b} ({_known(topo)})")
     for edge in gone:
-        topo.closures.remove(edge)
-    if not any({a, b} == {m, n} for m, n, _ in topo.odometry_edges()):
-        topo.graph.remove_edge(a, b)
+        topo.remove(edge)
     return _solved(topo, path, out, f"withdrawn: nodes {a} and {b}")
 
 
@@ -77,12 +74,12 @@ def _known(topo: TopoMap) -> str:
 
 def _solved(topo: TopoMap, path: Path, out: Path, what: str) -> Surgery:
     before, calibration = topo.poses.copy(), topo.calibration
-    solution = _solve(topo)
+    solution = solve(map_problem(topo))
     lost = [topo.closures[k] for k in np.flatnonzero(solution.closure_weights < 0.5).tolist()]
     if what.startswith("added") and topo.closures[-1] in lost:
         raise TopomapError(f"{path}: the rest of the map contradicts it ({what}); nothing was written")
     for edge in lost:
-        topo.open(edge)
+        topo.remove(edge)
     topo.move(solution.poses, solution.calibration)
     save_map(topo, out)
     moved = np.hypot(*(topo.poses[:, :2] - before[:, :2]).T)
@@ -98,21 +95,4 @@ def _solved(topo: TopoMap, path: Path, out: Path, what: str) -> Surgery:
             ("curvature", f"{calibration.curvature:.5f} before, {found.curvature:.5f} rad/m after"),
             ("graph", f"{len(topo.nodes)} nodes"),
         ],
-    )
-
-
-def _solve(topo: TopoMap) -> Solution:
-    edges = OdometryEdges.of([OdometryEdge(*edge) for edge in topo.odometry_edges()])
-    if not edges:
-        raise TopomapError("a map of one node can't be solved")
-    return solve(
-        Problem(
-            topo.poses.copy(),
-            edges,
-            Closures.of(topo.closures),
-            calibration=topo.calibration,
-            prior=topo.calibration,
-            prior_sigmas=KEPT_SIGMAS,
-            anchor=topo.chain[0],
-        )
     )

@@ -22,16 +22,16 @@ from topomap.app.interrupt import stop_on_signal
 from topomap.app.warm_up import warm_up
 from topomap.app.wiring import build_navigator, versions
 from topomap.core.errors import DataError
-from topomap.core.geometry import Pose2
 from topomap.core.records import Phase, StepRecord
 from topomap.core.robot import Reading, Robot, TruthSource
 from topomap.core.run_data import RunData, TrueCalibration
 from topomap.evaluation.summary import summarise, write_summary
+from topomap.mapping.graph import TopoMap
 from topomap.mapping.mapfile import save_map
 from topomap.navigation.navigator import Navigator
 from topomap.navigation.runner import run
 from topomap.recording.encode import run_header
-from topomap.recording.recorder import FinalMap, RunRecorder
+from topomap.recording.recorder import FinalMap, MapNow, RunRecorder
 from topomap.recording.run_reader import load_run
 from topomap.report.report import write_report
 
@@ -115,7 +115,7 @@ def _execute(
     navigator = build_navigator(config.stack)
     try:
         with Recorder.of(folder.log, header, config.log) as recorder, stop_on_signal() as stopped:
-            watch = _Watch(RunRecorder(recorder, lambda: _nodes(navigator)), robot, progress)
+            watch = _Watch(RunRecorder(recorder, lambda: map_now(navigator.mapper.map)), robot, progress)
             began = time.perf_counter()
             run(robot, navigator, (watch,), stopped)
             _finish(navigator, watch, time.perf_counter() - began, folder)
@@ -129,8 +129,10 @@ def _finish(navigator: Navigator, watch: _Watch, seconds: float, folder: RunFold
     """End the map and write it into the log and beside it."""
     if watch.last is None:
         return
+    said = len(navigator.mapper.ledger.decisions)
     navigator.mapper.finish(watch.last.stamp_ns)
-    watch.recorder.finish(_final_map(navigator, watch.last, watch.steps / seconds))
+    unsaid = tuple(navigator.mapper.ledger.decisions[said:])
+    watch.recorder.finish(replace(_final_map(navigator, watch.last, watch.steps / seconds), decisions=unsaid))
     save_map(navigator.mapper.map, folder.map)
 
 
@@ -144,7 +146,7 @@ def _final_map(navigator: Navigator, last: StepRecord, steps_per_s: float) -> Fi
         stamps,
         poses,
         tuple((i, n.stamp_ns, topo.pose(i), n.snapshot is not None) for i, n in enumerate(topo.nodes)),
-        tuple((a, b, data["kind"]) for a, b, data in topo.graph.edges(data=True)),
+        _edges(topo),
         mapper.optimisation.state,
         mapper.graph_hash(),
         steps_per_s,
@@ -153,9 +155,13 @@ def _final_map(navigator: Navigator, last: StepRecord, steps_per_s: float) -> Fi
     )
 
 
-def _nodes(navigator: Navigator) -> list[tuple[int, Pose2, bool]]:
-    topo = navigator.mapper.map
-    return [(i, topo.pose(i), node.snapshot is not None) for i, node in enumerate(topo.nodes)]
+def map_now(topo: TopoMap) -> MapNow:
+    """Return the map as it stands, for viewers."""
+    return MapNow(tuple((i, topo.pose(i), n.snapshot is not None) for i, n in enumerate(topo.nodes)), _edges(topo))
+
+
+def _edges(topo: TopoMap) -> tuple[tuple[int, int, str], ...]:
+    return tuple((a, b, data["kind"]) for a, b, data in topo.graph.edges(data=True))
 
 
 def open_log(path: Path, settings: Iterable[str] = ()) -> tuple[ReplayRobot, RunConfig]:

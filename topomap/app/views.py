@@ -32,6 +32,8 @@ GRID_CLEARANCE = 0.05
 """Declared positions are only dropped [m] where the camera itself would stand in something."""
 SPACINGS = (0.2, 0.3, 0.4, 0.5, 0.75, 1.0)
 MOST_POSITIONS = 700
+WORLD_FILES = ("**/*.py", "**/*.toml")
+"""The simulator's files that decide its views."""
 
 
 class WorldViews:
@@ -181,4 +183,4 @@ def _options(options: tuple[str, ...]) -> tuple[CameraConfig, CameraConfig]:
 
 @cache
 def _code() -> str:
-    return digest_files(Path(sim2d.__file__).parent, ("*.py",)) + digest_files(Path(__file__).parent, ("views.py",))
+    return digest_files(Path(sim2d.__file__).parent, WORLD_FILES) + digest_files(Path(__file__).parent, ("views.py",))

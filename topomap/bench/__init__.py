@@ -1,0 +1,4 @@
+"""Benches: homing methods, aligners by place, pose graphs, recordings and sweeps.
+
+`Store` keeps results by content, `Workers` makes the missing ones on all cores.
+"""

@@ -17,6 +17,9 @@ from enum import StrEnum
 from topomap.core.arrays import FloatArray
 from topomap.core.geometry import Pose2
 
+UNKNOWN_HEADING = 1.0
+"""A heading variance above this [rad^2] says that the heading isn't known (a uniform one has 3.3)."""
+
 
 @dataclass(frozen=True, slots=True)
 class Motion:
@@ -81,7 +84,7 @@ class Candidate:
     """A proposal that the robot at `query_ns` stood where node `match` was taken.
 
     match: node id; query: node id once the query has a node, else None; relative: `match_from_query` [m, rad];
-    covariance (3, 3) of relative (a huge heading variance says the heading is unknown); similarity in [0, 1];
+    covariance (3, 3) of relative (a heading variance above UNKNOWN_HEADING: unknown); similarity in [0, 1];
     scores: what each test measured, by name.
     """
 
@@ -116,7 +119,7 @@ class Estimate:
 
 @dataclass(frozen=True, slots=True)
 class CalibrationState:
-    """The odometry's systematic errors as believed now (conventions: this module's docstring)."""
+    """The odometry's systematic errors as estimated now (conventions: this module's docstring)."""
 
     rotation_scale: Estimate
     distance_scale: Estimate

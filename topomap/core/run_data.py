@@ -35,7 +35,7 @@ class RunData:
     """One run, N steps; poses (N, 3) are x, y [m], heading [rad], each in its own frame.
 
     truth: (N, 3), heading NaN where the data set has none, or None where nothing is known; dead_reckoning: raw
-    odometry integrated; online: what the stack believed at the step; final: the finished map's trajectory at the same
+    odometry integrated; online: the estimate at the step; final: the finished map's trajectory at the same
     stamps; driven (N,): a driver had the wheels; contact (N,); difference (N,): to the last snapshot; place_difference
     (N,): to the best older node, NaN where there was none; homing_difference (N,): to the milestone;
     threshold: for a new snapshot; decisions: every verdict in time order (a candidate may get several);

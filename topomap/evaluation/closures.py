@@ -9,14 +9,12 @@ import numpy as np
 
 from topomap.core.arrays import BoolArray, FloatArray
 from topomap.core.geometry import wrap
-from topomap.core.records import Candidate, Decision, Verdict
+from topomap.core.records import UNKNOWN_HEADING, Candidate, Decision, Verdict
 from topomap.core.run_data import RunData
 from topomap.evaluation.trajectory import step_at, travel
 
 # what a false closure misses by, one of them at least [m, rad]; a recording may state another distance
 FALSE_DISTANCE, FALSE_ROTATION = 1.0, math.radians(20.0)
-# wider than this, a claimed heading says nothing (a uniform one has a sigma of 1.81 rad)
-UNKNOWN_HEADING_SIGMA = 1.5
 PASS_RADIUS_M = 0.75
 PASS_TRAVEL_M = 10.0
 PASS_MARGIN_M = 1.0
@@ -126,7 +124,7 @@ def _rotation_error(candidate: Candidate, query: FloatArray, match: FloatArray) 
     true = float(query[2] - match[2])
     claimed = candidate.relative.heading
     variance = float(candidate.covariance[2, 2])
-    if not math.isfinite(true) or not variance < UNKNOWN_HEADING_SIGMA**2:
+    if not math.isfinite(true) or not variance <= UNKNOWN_HEADING:
         return None
     return wrap(claimed - true)
 

@@ -13,7 +13,18 @@ from topomap.core.records import Verdict
 from topomap.core.run_data import RunData
 from topomap.evaluation.closures import Closure, closures
 
-HIGH_IS_GOOD = ("similarity", "support")  # of other scores the low ones are good: differences, costs, sigmas
+HIGH_IS_GOOD = {
+    "similarity": True,
+    "support": True,
+    "share": True,
+    "active": True,
+    "difference": False,
+    "cost": False,
+    "ratio": False,
+    "sigmas": False,
+    "odometry": False,
+}
+"""Which way each score points. What isn't named here, such as the limit of the moment, is no evidence: no curve."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,7 +70,7 @@ def evaluate(run: RunData) -> Evaluation | None:
         return None
     true = np.array([c.judgement is not None and not c.judgement.false for c in known])
     kept = np.array([c.verdict is Verdict.ACCEPTED for c in known])
-    names = ["similarity", *sorted({name for c in known for name in c.candidate.scores})]
+    names = ["similarity", *sorted({name for c in known for name in c.candidate.scores} & HIGH_IS_GOOD.keys())]
     curves = tuple(curve(name, _values(known, name), true) for name in names) if true.any() else ()
     counts = (int((true & kept).sum()), int((~true & kept).sum()))
     return Evaluation(len(known), int(true.sum()), *counts, curves)
@@ -67,7 +78,7 @@ def evaluate(run: RunData) -> Evaluation | None:
 
 def _values(known: Sequence[Closure], name: str) -> FloatArray:
     """Return the candidates' scores, high for good; one that wasn't measured is the worst."""
-    sign = 1.0 if name in HIGH_IS_GOOD else -1.0
+    sign = 1.0 if HIGH_IS_GOOD[name] else -1.0
     found = [c.candidate.similarity if name == "similarity" else c.candidate.scores.get(name) for c in known]
     return np.array([-math.inf if v is None or math.isnan(v) else sign * v for v in found])
 

@@ -29,7 +29,7 @@ def summarise(run: RunData) -> Summary:
     """
     way = home(run)
     closures = count(run)
-    believed, true = run.calibration, run.true_calibration
+    estimated, true = run.calibration, run.true_calibration
     return {
         "world": run.world,
         "seed": run.seed,
@@ -49,9 +49,9 @@ def summarise(run: RunData) -> Summary:
         "dead_reckoning_ate_m": _ates(run, run.dead_reckoning),
         "map_ate_m": _ates(run, run.final),
         "online_ate_m": _ates(run, run.online),
-        "rotation_scale": _scale(true.rotation_scale, believed.rotation_scale if believed else None),
-        "distance_scale": _scale(true.distance_scale, believed.distance_scale if believed else None),
-        "curvature": _scale(true.curvature, believed.curvature if believed else None),
+        "rotation_scale": _scale(true.rotation_scale, estimated.rotation_scale if estimated else None),
+        "distance_scale": _scale(true.distance_scale, estimated.distance_scale if estimated else None),
+        "curvature": _scale(true.curvature, estimated.curvature if estimated else None),
         "home": {
             "asked": way.asked,
             "claimed": way.claimed,
@@ -115,9 +115,9 @@ def _ates(run: RunData, estimate: FloatArray) -> Summary:
     }
 
 
-def _scale(true: float | None, believed: Estimate | None) -> Summary:
-    found = believed.value if believed is not None and believed.observed else None
-    sigma = believed.sigma if believed is not None else None
+def _scale(true: float | None, estimated: Estimate | None) -> Summary:
+    found = estimated.value if estimated is not None and estimated.observed else None
+    sigma = estimated.sigma if estimated is not None else None
     return {"true": _number(true), "found": _number(found), "sigma": _number(sigma)}
 
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from topomap.core.arrays import FloatArray, IntArray
+from topomap.core.errors import TopomapError
 from topomap.core.geometry import Pose2, between, compose
 from topomap.core.run_data import RunData
 
@@ -131,6 +132,24 @@ def placed(run: RunData, poses: FloatArray) -> tuple[FloatArray, str]:
         return poses, "map frame"
     fit = align(run.final[known, :2], run.truth[known, :2])
     return fit.move(poses), "aligned by SE(2) best fit of the map"
+
+
+def truth_in_map(run: RunData) -> tuple[FloatArray, str]:
+    """Return the true poses (N, 3) in the map's frame, and in words how they were moved there.
+
+    `placed` the other way round: by the first pose where its true heading is known, otherwise by the SE(2) best fit
+    onto the final map. Raises TopomapError for a run without truth.
+    """
+    if run.truth is None or not len(run.truth):
+        raise TopomapError("the run has no true poses")
+    if np.isfinite(run.truth[0]).all():
+        origin = Pose2.of(run.final[0]) @ Pose2.of(run.truth[0]).inverse()
+        return compose(origin.array(), run.truth), "aligned at the start pose"
+    known = np.isfinite(run.truth[:, :2]).all(axis=1)
+    if not known.any():
+        return run.truth, "nowhere known"
+    fit = align(run.truth[known, :2], run.final[known, :2])
+    return fit.move(run.truth), "aligned by SE(2) best fit onto the map"
 
 
 def position_errors(run: RunData, poses: FloatArray) -> FloatArray | None:

@@ -16,7 +16,7 @@ from topomap.core.arrays import Float32Array, FloatArray, IntArray
 from topomap.core.geometry import Pose2, compose, wrap_all
 from topomap.core.robot import RigReading
 from topomap.mapping.odometry.increments import Calibration, Increments, integrate, track
-from topomap.mapping.optimizer.problem import ClosureEdge
+from topomap.mapping.optimizer.problem import ClosureEdge, TurnEdge
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +56,7 @@ class Node:
 
 
 class TopoMap:
-    """Nodes, their poses, odometry edges along the travelled chain, and closures.
+    """Nodes, their poses, odometry edges along the travelled chain, closures, and turns measured between snapshots.
 
     Node ids count up in the order of creation; `chain` lists them in travel order (a pose node that was inserted
     later stands between its neighbours). Only Mapper changes a map.
@@ -66,6 +66,7 @@ class TopoMap:
         self.nodes: list[Node] = []
         self.chain: list[int] = []
         self.closures: list[ClosureEdge] = []
+        self.turns: list[TurnEdge] = []
         self.calibration = Calibration()
         self.graph: nx.Graph[int] = nx.Graph()
         self._poses = np.zeros((64, 3))
@@ -105,12 +106,14 @@ class TopoMap:
     def close(self, edge: ClosureEdge) -> None:
         """Add an accepted closure (`edge.i` the old node, `edge.j` the new one)."""
         self.closures.append(edge)
-        self.graph.add_edge(edge.i, edge.j, kind="closure")
+        if not self.graph.has_edge(edge.i, edge.j):
+            self.graph.add_edge(edge.i, edge.j, kind="closure")
 
-    def open(self, edge: ClosureEdge) -> None:
+    def remove(self, edge: ClosureEdge) -> None:
         """Take an accepted closure back."""
         self.closures.remove(edge)
-        self.graph.remove_edge(edge.i, edge.j)
+        if self.graph.edges[edge.i, edge.j]["kind"] == "closure":
+            self._part(edge.i, edge.j)
 
     def move(self, poses: FloatArray, calibration: Calibration) -> None:
         """Set the poses (n, 3) of the first nodes and the calibration: what a solution does.
@@ -157,10 +160,11 @@ class TopoMap:
         """Return the SHA-256 over nodes, views, edges, poses and verdicts (stamp, match, verdict, reason)."""
         digest = hashlib.sha256()
         for node in self.nodes:
-            digest.update(f"{node.stamp_ns} {node.travel!r}".encode())
+            digest.update(f"{node.stamp_ns} {float(node.travel)!r}".encode())
             digest.update(node.snapshot.encoded if node.snapshot else b"pose")
         edges = [(c.i, c.j, list(c.relative.array())) for c in self.closures]
-        digest.update(json.dumps([self.chain, edges, verdicts]).encode())
+        said = [(int(stamp_ns), int(match), verdict, reason) for stamp_ns, match, verdict, reason in verdicts]
+        digest.update(json.dumps([self.chain, edges, said]).encode())
         digest.update(np.ascontiguousarray(self.poses).tobytes())
         return digest.hexdigest()
 
@@ -171,6 +175,7 @@ class TopoMap:
         chain: list[int],
         edges: list[Increments],
         closures: list[ClosureEdge],
+        turns: list[TurnEdge],
     ) -> None:
         """Fill an empty map with saved contents: edges (len(chain) - 1) along the chain. Raises ValueError."""
         if sorted(chain) != list(range(len(nodes))) or poses.shape != (len(nodes), 3):
@@ -182,6 +187,7 @@ class TopoMap:
             self._join(a, b, increments)
         for edge in closures:
             self.close(edge)
+        self.turns = turns
 
     def _store(self, node: Node, pose: FloatArray, place: int) -> int:
         new = len(self.nodes)
@@ -197,13 +203,19 @@ class TopoMap:
         self._increments[a, b] = increments
         self.graph.add_edge(a, b, kind="odometry")
 
+    def _part(self, a: int, b: int) -> None:
+        """Take away what joins two nodes in the graph, but for the closures there are between them."""
+        self.graph.remove_edge(a, b)
+        if any({c.i, c.j} == {a, b} for c in self.closures):
+            self.graph.add_edge(a, b, kind="closure")
+
     def _split(self, a: int, b: int, place: int, stamp_ns: int) -> int:
         whole = self._increments.pop((a, b))
         first, second = whole.split(int(np.searchsorted(whole.stamps_ns, stamp_ns)) + 1)
         travel = self.nodes[a].travel + float(np.abs(first.deltas[:, 0]).sum())
         pose = self._steps(a, b, whole)[len(first) - 1]
         new = self._store(Node(stamp_ns, travel, None), pose, place)
-        self.graph.remove_edge(a, b)
+        self._part(a, b)
         self._join(a, new, first)
         self._join(new, b, second)
         return new

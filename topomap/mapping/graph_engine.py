@@ -1,14 +1,17 @@
-"""The one place where a pose graph meets the closure engine: `topomap optimize` and `bench graphs` both come here."""
+"""A pose graph through the closure engine: `topomap optimize` and `bench graphs` both come here."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from topomap.core.arrays import BoolArray, FloatArray
-from topomap.mapping.closures.growth import map_graph
+from topomap.mapping.closures.closure_tests import TESTS, ClosureTest
+from topomap.mapping.closures.engine import ClosureEngine, quiet
+from topomap.mapping.closures.noise import variance_factor
+from topomap.mapping.closures.pose_graph_drive import claims_of, drive_of
 from topomap.mapping.pose_graph import PoseGraph
 
 Progress = Callable[[float, str], None]
@@ -17,8 +20,8 @@ Progress = Callable[[float, str], None]
 class GraphVerdicts(NamedTuple):
     """What the engine makes of a pose graph.
 
-    poses (N, 3); inlier (M,): which closures stand; log_odds (M,): natural logs of true over false, NaN where nothing
-    was worked out; reason (M,); kept: which of several solutions this is, and why.
+    poses (N, 3); inlier (M,): which closures stand; log_odds (M,): natural logs of true over false, -inf where
+    odometry contradicts; reason (M,); kept: which of several solutions this is, and why.
     """
 
     poses: FloatArray
@@ -28,12 +31,20 @@ class GraphVerdicts(NamedTuple):
     kept: str
 
 
-def optimise_graph(graph: PoseGraph, progress: Progress | None = None) -> GraphVerdicts:
-    """Optimise a pose graph whose closures may be false; progress hears the share done and what is done next."""
-    if progress is not None:
-        progress(0.0, "weighing closures")
-    poses, inlier = map_graph(graph)
-    reason = tuple("the rest of the map stands by it" if good else "not likely enough" for good in inlier)
-    if progress is not None:
-        progress(1.0, "done")
-    return GraphVerdicts(poses, inlier, np.full(len(inlier), np.nan), reason, "grown along the chain, the only one")
+def optimise_graph(graph: PoseGraph, progress: Progress = quiet, tests: Sequence[ClosureTest] = TESTS) -> GraphVerdicts:
+    """Judge a pose graph whose closures may be false and whose covariances hold up to a factor.
+
+    progress: hears the share done and what is being done; tests: the engine's stages.
+    """
+    progress(0.0, "noise")
+    claims, order = claims_of(graph)
+    if not len(claims):
+        return GraphVerdicts(graph.dead_reckoning(), np.zeros(0, bool), np.zeros(0), (), "odometry: nothing is claimed")
+    stated = drive_of(graph)
+    factor = variance_factor(claims, stated.chain(stated.start()))
+    claims, order = claims_of(graph, factor)
+    found = ClosureEngine(drive_of(graph, factor), claims, tests, progress).run()
+    inlier, odds = np.zeros(len(order), bool), np.zeros(len(order))
+    inlier[order], odds[order] = found.inlier, found.log_odds
+    reason = tuple(found.reason[k] for k in np.argsort(order).tolist())
+    return GraphVerdicts(found.state.poses, inlier, odds, reason, found.kept)

@@ -18,9 +18,11 @@ from topomap.core.errors import DataError
 from topomap.core.geometry import Pose2
 from topomap.mapping.graph import Node, RecordedRig, Snapshot, TopoMap
 from topomap.mapping.odometry.increments import Calibration, Increments
-from topomap.mapping.optimizer.problem import ClosureEdge
+from topomap.mapping.optimizer.problem import ClosureEdge, TurnEdge
 
-FORMAT = 1
+FORMAT = 2
+"""What is written. Format 1, which is still read, kept no measured turns."""
+READ = (1, 2)
 
 
 def save_map(topo: TopoMap, path: Path) -> None:
@@ -74,6 +76,8 @@ def _arrays(topo: TopoMap) -> dict[str, Any]:
         "closure_relative": np.array([c.relative.array() for c in topo.closures]).reshape(-1, 3),
         "closure_covariance": np.array([c.covariance for c in topo.closures]).reshape(-1, 3, 3),
         "closure_weight": np.array([c.weight for c in topo.closures], float),
+        "turn_ends": np.array([(t.i, t.j) for t in topo.turns], np.int64).reshape(-1, 2),
+        "turns": np.array([(t.turn, t.sigma) for t in topo.turns], float).reshape(-1, 2),
     }
 
 
@@ -93,11 +97,11 @@ def from_bytes(data: bytes) -> TopoMap:
     with np.load(io.BytesIO(data), allow_pickle=False) as file:
         arrays = {name: file[name] for name in file.files}
     meta = json.loads(arrays["meta"].tobytes())
-    if meta["format"] != FORMAT:
-        raise ValueError(f"map format {meta['format']}, this version reads {FORMAT}")
+    if meta["format"] not in READ:
+        raise ValueError(f"map format {meta['format']}, this version reads {' and '.join(map(str, READ))}")
     topo = TopoMap()
     topo.calibration = Calibration(**meta["calibration"])
-    _restore(topo, _nodes(arrays, meta), arrays)
+    _restore(topo, _nodes(arrays, meta), arrays, [] if meta["format"] == 1 else _turns(arrays))
     return topo
 
 
@@ -115,14 +119,14 @@ def _nodes(arrays: dict[str, Any], meta: dict[str, Any]) -> list[Node]:
     return nodes
 
 
-def _restore(topo: TopoMap, nodes: list[Node], arrays: dict[str, Any]) -> None:
+def _restore(topo: TopoMap, nodes: list[Node], arrays: dict[str, Any], turns: list[TurnEdge]) -> None:
     chain = arrays["chain"].tolist()
     ends = [0, *arrays["edge_ends"].tolist()]
     edges = [
         Increments(arrays["increment_stamps_ns"][a:b], arrays["deltas"][a:b], arrays["covariances"][a:b])
         for a, b in pairwise(ends)
     ]
-    topo.restore(nodes, arrays["poses"], chain, edges, _closures(arrays))
+    topo.restore(nodes, arrays["poses"], chain, edges, _closures(arrays), turns)
 
 
 def _closures(arrays: dict[str, FloatArray]) -> list[ClosureEdge]:
@@ -138,3 +142,8 @@ def _closures(arrays: dict[str, FloatArray]) -> list[ClosureEdge]:
         ClosureEdge(int(i), int(j), Pose2(*relative.tolist()), covariance, weight)
         for (i, j), relative, covariance, weight in rows
     ]
+
+
+def _turns(arrays: dict[str, Any]) -> list[TurnEdge]:
+    rows = zip(arrays["turn_ends"].tolist(), arrays["turns"].tolist(), strict=True)
+    return [TurnEdge(i, j, turn, sigma) for (i, j), (turn, sigma) in rows]

@@ -194,7 +194,7 @@ class Optimisation:
             edge, candidate = self._closures[k]
             standing = (edge.i, edge.j) in on_map
             if weight < 0.5 and standing:
-                self._map.open(edge)
+                self._map.remove(edge)
                 reason = "the back end can't fit it beside the other evidence"
                 changed.append(ledger.decide(stamp_ns, candidate, Verdict.WITHDRAWN, reason))
             elif weight >= 0.5 and not standing:

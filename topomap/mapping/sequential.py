@@ -1,4 +1,4 @@
-"""What two neighbouring snapshots tell of the odometry between them: its turn and its distance."""
+"""Constraints between neighbouring snapshots: turn and distance, measured by scans or by sight."""
 
 from __future__ import annotations
 
@@ -43,7 +43,11 @@ class SequentialConstraints:
         self._aligner = aligner
         self._map = topo
         self._scale = DistanceScale(settings.distance)
-        self.turns: list[TurnEdge] = []
+
+    @property
+    def turns(self) -> list[TurnEdge]:
+        """The turns measured so far, oldest first; the map keeps them."""
+        return self._map.turns
 
     @property
     def distance_scale(self) -> Estimate:
@@ -51,7 +55,7 @@ class SequentialConstraints:
         return self._scale.estimate()
 
     def compare(self, a: int, b: int, view_cache: ViewCache) -> None:
-        """Take the evidence of snapshot b about the way from snapshot a, the one before it."""
+        """Measure turn and distance from snapshot a to snapshot b, the next one."""
         before, now = view_cache.panorama(a), view_cache.panorama(b)
         guess = self._map.pose(a).to(self._map.pose(b)).array()
         match = None
@@ -76,7 +80,7 @@ class SequentialConstraints:
             self._measure(a, b, match, seen=True)
 
     def _measure(self, a: int, b: int, match: ScanMatch, seen: bool = False) -> None:
-        """Hold the measured distance against the odometer's, where the surfaces tell it."""
+        """Compare the measured distance with the odometer's, where the surfaces constrain it."""
         way = float(np.hypot(match.relative[0], match.relative[1]))
         if way < self._s.min_way:
             return

@@ -34,7 +34,9 @@ class Track:
         Raises DataError for a stamp that isn't later than the one before and for an increment that isn't numbers.
         """
         self._check(stamp_ns, reading)
-        motion = Motion(reading.forward, reading.left, reading.turn, reading.covariance, reading.dt)
+        # plain numbers, as the log hands them back: NumPy's would print otherwise and give the map another hash
+        way = float(reading.forward), float(reading.left), float(reading.turn)
+        motion = Motion(*way, np.asarray(reading.covariance, np.float64), float(reading.dt))
         corrected = self.map.calibration.correct(motion)
         self.turn = corrected.turn
         if self.map.nodes:
@@ -46,6 +48,7 @@ class Track:
 
     def node_at(self, stamp_ns: int, snapshot: Snapshot | None = None) -> int:
         """Return the node at a stamp the robot has been at; make one if there is none (a snapshot: only now)."""
+        stamp_ns = int(stamp_ns)
         if not self.map.nodes:
             return self.map.add(Node(stamp_ns, 0.0, snapshot), None)
         if stamp_ns <= self.map.nodes[self.map.chain[-1]].stamp_ns:

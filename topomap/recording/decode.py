@@ -1,4 +1,4 @@
-"""The log's records as the stack's: the inverse of `to_log`."""
+"""The log's records as the stack's: the inverse of `encode`."""
 
 from __future__ import annotations
 

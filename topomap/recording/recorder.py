@@ -1,4 +1,4 @@
-"""The one translator between the stack's records and the log's."""
+"""The recorder of a run: every step and the finished map as records of the log."""
 
 from __future__ import annotations
 
@@ -16,7 +16,13 @@ from topomap.core.records import CalibrationState, Decision, MapChange, StepReco
 from topomap.core.robot import Reading, Truth, TruthSource
 from topomap.recording import encode
 
-Nodes = Callable[[], list[tuple[int, Pose2, bool]]]
+
+@dataclass(frozen=True)
+class MapNow:
+    """The map as it stands: nodes (id, pose, snapshot), edges (a, b, kind) with kind "odometry" or "closure"."""
+
+    nodes: tuple[tuple[int, Pose2, bool], ...] = ()
+    edges: tuple[tuple[int, int, str], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -24,7 +30,8 @@ class FinalMap:
     """The finished map for the log, N steps.
 
     stamps_ns (N,); poses (N, 3) the trajectory in the map frame; nodes (id, stamp [ns], pose, snapshot); edges
-    (a, b, kind); claimed: the robot said it arrived, None when it wasn't sent anywhere.
+    (a, b, kind); claimed: the robot said it arrived, None when it wasn't sent anywhere; decisions: the verdicts that
+    the last solve, after the last step, changed.
     """
 
     stamps_ns: IntArray
@@ -36,20 +43,19 @@ class FinalMap:
     steps_per_s: float | None = None
     claimed: bool | None = None
     goal_node: int | None = None
+    decisions: tuple[Decision, ...] = ()
 
 
 class RunRecorder:
     """Writes every step of a run into a log.
 
-    nodes: returns the map's (id, pose, snapshot) as they are now; truth: asked at each step whose truth isn't
-    given.
+    now: returns the map as it is now; truth: asked at each step whose truth isn't given.
     """
 
-    def __init__(self, recorder: Recorder, nodes: Nodes, truth: TruthSource | None = None) -> None:
+    def __init__(self, recorder: Recorder, now: Callable[[], MapNow], truth: TruthSource | None = None) -> None:
         self._recorder = recorder
         self._source = truth
-        self._nodes = nodes
-        self._closures: dict[tuple[int, int], bool] = {}
+        self._now = now
         self._said: tuple[str, str, bool] = ("", "", False)
         self._calibration: CalibrationState | None = None
         self._start: log.Pose | None = None
@@ -70,8 +76,9 @@ class RunRecorder:
 
     def finish(self, final: FinalMap) -> None:
         """Write the finished map and its trajectory; raises LogError when the log can't be written."""
-        if self._map_stale:
-            self._send_map(self._nodes())
+        self._write_decisions(final.decisions)
+        # the last solve moved every node: what viewers show last is the finished map
+        self._send_map(MapNow(tuple((id, pose, snapshot) for id, _, pose, snapshot in final.nodes), final.edges))
         self._write(topics.FINAL, _final(final))
         if final.steps_per_s is not None:
             self._write(topics.PERFORMANCE, log.Performance(float(final.steps_per_s)))
@@ -120,11 +127,15 @@ class RunRecorder:
         self._write(topics.DIFFERENCE, encode.difference(change, travel))
         for node in change.added:
             self._write(topics.NODE, encode.node(node))
-        for decision in change.decisions:
-            self._write(topics.CLOSURES, encode.closure(decision))
+        self._write_decisions(change.decisions)
         if change.calibration not in (None, self._calibration):
             self._calibration = change.calibration
             self._write(topics.CALIBRATION, encode.calibration(change.calibration))
+
+    def _write_decisions(self, decisions: tuple[Decision, ...]) -> None:
+        for decision in decisions:
+            self._write(topics.CLOSURES, encode.closure(decision))
+            self._say(encode.level(decision.verdict), "closure", encode.sentence(decision))
 
     def _write_mission(self, record: StepRecord) -> None:
         goal, travel, command = record.goal, record.travel, record.command
@@ -143,8 +154,6 @@ class RunRecorder:
     def _write_text(self, reading: Reading, record: StepRecord) -> None:
         for node in record.change.added:
             self._say(log.Level.INFO, "map", f"node {node.node}: {node.reason}")
-        for decision in record.change.decisions:
-            self._say(encode.level(decision.verdict), "closure", encode.sentence(decision))
         phase, note, contact = self._said
         travel = record.travel
         if travel.phase.value != phase:
@@ -159,31 +168,26 @@ class RunRecorder:
         self._write(topics.TEXT, log.Text(level, name, message))
 
     def _write_map(self, change: MapChange) -> None:
-        for decision in change.decisions:
-            self._note_closure(decision)
-        self._map_stale = self._map_stale or bool(change.added) or change.solved
+        closed = any(d.verdict in (Verdict.ACCEPTED, Verdict.WITHDRAWN) for d in change.decisions)
+        self._map_stale = self._map_stale or closed or change.solved or bool(change.added)
         self._map_age += 1
         # a map of thousands of nodes at every change would outgrow the panoramas
         if self._map_stale and self._map_age >= self._map_size // 10:
-            self._send_map(self._nodes())
+            self._send_map(self._now())
 
-    def _note_closure(self, decision: Decision) -> None:
-        candidate = decision.candidate
-        if candidate.query is not None and decision.verdict is not Verdict.PENDING:
-            pair = (candidate.match, candidate.query)
-            self._closures[pair] = decision.verdict is Verdict.ACCEPTED
-
-    def _send_map(self, nodes: list[tuple[int, Pose2, bool]]) -> None:
-        poses = np.array([pose.array() for _, pose, _ in nodes], dtype=np.float64).reshape(-1, 3)
-        rows = {id: row for row, (id, _, _) in enumerate(nodes)}
-        pairs = [pair for pair, accepted in self._closures.items() if accepted and rows.keys() >= set(pair)]
-        closures = np.array([[rows[a], rows[b]] for a, b in pairs], dtype=np.int64).reshape(-1, 2)
-        steps = np.arange(max(len(nodes) - 1, 0), dtype=np.int64)
-        snapshots = np.array([snapshot for _, _, snapshot in nodes], dtype=np.bool_)
-        graph = log.Graph(poses, snapshots, np.stack([steps, steps + 1], axis=1), closures)
+    def _send_map(self, now: MapNow) -> None:
+        poses = np.array([pose.array() for _, pose, _ in now.nodes], dtype=np.float64).reshape(-1, 3)
+        snapshots = np.array([snapshot for _, _, snapshot in now.nodes], dtype=np.bool_)
         self._write(topics.NODES, log.NodePoses(poses))
-        self._write(topics.GRAPH, graph)
-        self._map_stale, self._map_age, self._map_size = False, 0, len(nodes)
+        self._write(topics.GRAPH, log.Graph(poses, snapshots, _rows(now, "odometry"), _rows(now, "closure")))
+        self._map_stale, self._map_age, self._map_size = False, 0, len(now.nodes)
+
+
+def _rows(now: MapNow, kind: str) -> IntArray:
+    """Return (M, 2) the rows of the nodes that edges of a kind join."""
+    place = {id: row for row, (id, _, _) in enumerate(now.nodes)}
+    pairs = [(place[a], place[b]) for a, b, own in now.edges if own == kind]
+    return np.array(pairs, dtype=np.int64).reshape(-1, 2)
 
 
 def _final(final: FinalMap) -> log.Final:

@@ -38,7 +38,7 @@ def load_run(path: Path | str) -> RunData:
     """Return a run from its log, complete or cut off.
 
     Where the run was cut off before its finished map was written, graph_hash is empty, there are no edges, and
-    the final trajectory and the nodes' poses are what the stack believed on the way. Raises DataError with one
+    the final trajectory and the nodes' poses are those of the online estimate. Raises DataError with one
     line when the log can't be read or holds no whole step.
     """
     try:
@@ -98,7 +98,7 @@ def _last(rows: Gathered, topic: str, kind: type[R]) -> R | None:
 
 
 def _trajectory(steps: Steps, final: log.Final | None) -> FloatArray:
-    """Return the finished map's poses (N, 3) at the steps, what was believed there where it has none."""
+    """Return the finished map's poses (N, 3) at the steps, the online estimate where it has none."""
     poses = steps.online.copy()
     if final is not None:
         rows = {stamp: row for row, stamp in enumerate(final.stamps_ns)}

@@ -1,0 +1,1 @@
+"""The homing bench: contestants, home vector fields, walks home, table and figures."""

@@ -7,14 +7,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import BaseModel, Field
 
 from topomap.bench.homing.contestant import GIVEN, Contestant, compass
 from topomap.bench.homing.field import FieldTask, HomeField, Survey, SurveyTask, Turns, TurnsTask, grid_walks
 from topomap.bench.homing.walk import Walk, WalkSettings
 from topomap.bench.pool import Workers
-from topomap.core.arrays import FloatArray
+from topomap.core.arrays import BoolArray, FloatArray
 from topomap.core.errors import DataError
 from topomap.core.geometry import wrap_all
 from topomap.evaluation.statistics import (
@@ -51,10 +50,10 @@ class Ground:
     within: float = math.inf
 
     @property
-    def away(self) -> NDArray[np.bool_]:
+    def away(self) -> BoolArray:
         """Which positions (N,) count: all but home itself."""
         near = np.hypot(*(self.survey.positions - np.asarray(self.home)).T) <= self.within + 1e-9
-        away: NDArray[np.bool_] = near & np.isfinite(bearings_home(self.survey.positions, self.home))
+        away: BoolArray = near & np.isfinite(bearings_home(self.survey.positions, self.home))
         return away
 
 

@@ -8,11 +8,10 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from topomap.bench.homing.contestant import Bound, Contestant, Looks, view_at
 from topomap.bench.homing.walk import Eyes, Walk, WalkSettings, catchment, policy_walk, walk
-from topomap.core.arrays import FloatArray
+from topomap.core.arrays import BoolArray, FloatArray
 from topomap.core.errors import DataError
 from topomap.core.geometry import TAU, Pose2, wrap
 from topomap.core.panorama import Panorama
@@ -176,7 +175,7 @@ def random_headings(seed: int, count: int, width: int) -> FloatArray:
     return np.array([wrap(float(k) * TAU / width) for k in rng.integers(width, size=count)])
 
 
-def grid_walks(survey: Survey, home: Point, directions: FloatArray, starts: NDArray[np.bool_]) -> list[Walk]:
+def grid_walks(survey: Survey, home: Point, directions: FloatArray, starts: BoolArray) -> list[Walk]:
     """Return the walks through a vector field from the positions that `starts` (N,) marks."""
     walks = catchment(survey.positions, directions, home, survey.spacing)
     return [walk for walk, counts in zip(walks, starts, strict=True) if counts]

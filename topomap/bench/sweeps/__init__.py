@@ -1,0 +1,1 @@
+"""Sweeps: many simulated runs as one table with intervals, and its figure."""

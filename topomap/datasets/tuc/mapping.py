@@ -22,7 +22,7 @@ from topomap.mapping.closures.ledger import Ledger, key_of
 from topomap.mapping.closures.odometry_gate import OdometryGate
 from topomap.mapping.odometry.calibration import calibration_state
 from topomap.mapping.odometry.increments import Calibration
-from topomap.mapping.optimizer import AxisEdge, Closures, OptimizerSettings, Problem, Solution, solve
+from topomap.mapping.optimizer import AxisEdge, Closures, OdometryEdges, OptimizerSettings, Problem, Solution, solve
 
 # same-place loops see rotation, not distance (DESIGN.md): the distance scale is held while solving
 HELD = 1e-4
@@ -167,7 +167,7 @@ class TucMapping:
         return solve(
             Problem(
                 self._poses,
-                edges,
+                OdometryEdges.of(edges),
                 closures,
                 calibration=self._calibration,
                 prior=self._start,

@@ -57,7 +57,7 @@ class TucRecording:
     def increments(self, extra_ns: IntArray) -> Increments:
         """Return the raw increments with ends at all odometry stamps after the first and at extra stamps (E,).
 
-        A row's velocity holds until the next row. An odometer that reads nothing at all is believed to stand.
+        A row's velocity holds until the next row. An odometer that reads nothing at all is taken to stand.
         """
         inside = extra_ns[(extra_ns > self.stamps_ns[0]) & (extra_ns < self.stamps_ns[-1])]
         stamps = np.union1d(self.stamps_ns, inside)

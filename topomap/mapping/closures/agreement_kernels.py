@@ -10,6 +10,8 @@ from numba import njit
 from topomap.core.arrays import BoolArray, FloatArray, IntArray
 from topomap.mapping.uncertainty.small import distance2, moved_by, relative, seen_from, wrapped
 
+LEAST = 1e-6  # variance of a turn [rad^2] that even a robot standing still has
+
 
 @njit(cache=True)
 def _between(
@@ -48,7 +50,7 @@ def loop_distance2(
     if unknown:
         for part in (own, other):
             part[2, :], part[:, 2] = 0.0, 0.0
-    variance = own[2, 2] + other[2, 2] + abs(random[i[b], 2, 2] - random[i[a], 2, 2])
+    variance = LEAST + own[2, 2] + other[2, 2] + abs(random[i[b], 2, 2] - random[i[a], 2, 2])
     variance += abs(random[j[b], 2, 2] - random[j[a], 2, 2])
     if heading * heading > limit * variance:  # most loops end here
         return np.inf
@@ -56,7 +58,8 @@ def loop_distance2(
     _between(chain, random, j[a], j[b], ha, 0.0, 0.0, spread)
     _between(chain, random, i[a], i[b], 0.0, behind_x, behind_y, spread)
     moved_by(other, hi, 0.0, 0.0, spread)
-    return distance2(spread, x, y, heading, False)[0]
+    missed, _ = distance2(spread, x, y, heading, unknown)
+    return float(missed)
 
 
 @njit(cache=True)

@@ -49,7 +49,8 @@ def loops_of(claims: Claims, chain: Chain, asked: IntArray, limit: float) -> tup
     asked (n,): which claims are taken as a; limit: loops that miss by more aren't returned.
     """
     first = np.searchsorted(claims.i, np.arange(len(chain.poses) + 1))
-    return short_loops(
+    a, b, missed = short_loops(
         claims.i, claims.j, claims.relative, claims.covariance, claims.blind, chain.poses, chain.random, first,
         WINDOW, limit, asked,
     )  # fmt: skip
+    return np.asarray(a), np.asarray(b), np.asarray(missed)

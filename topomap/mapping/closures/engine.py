@@ -41,12 +41,16 @@ def quiet(_share: float, _doing: str) -> None:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Judgement:
-    """What became of M claims: the map, which are inliers (M,), their log odds (M,) and why, in plain words (M,)."""
+    """What became of M claims: the map, which are inliers (M,), their log odds (M,) and why, in plain words (M,).
+
+    kept: which of several solutions the map is, and why.
+    """
 
     state: MapState
     inlier: BoolArray
     log_odds: FloatArray
     reason: tuple[str, ...]
+    kept: str
 
 
 class ClosureEngine:
@@ -80,7 +84,12 @@ class ClosureEngine:
             self._admit(new)
         inlier = self._settle()
         self._told(1.0, f"{int(inlier.sum())} closures")
-        return Judgement(self._map, inlier, self._odds, self._reasons(inlier))
+        kept = (
+            f"{int(inlier.sum())} of {len(inlier)} closures are likely"
+            if inlier.any()
+            else "odometry: nothing is likely"
+        )
+        return Judgement(self._map, inlier, self._odds, self._reasons(inlier), kept)
 
     def _sift(self, odometry: PathNetwork) -> None:
         """Refuse the clusters that odometry can't explain, and learn from them how often claims are true."""

@@ -26,10 +26,9 @@ def mahalanobis(claims: Claims, poses: FloatArray, errors: FloatArray) -> tuple[
 
     errors (n, 3, 3): of the map between the claims' places, about the origin.
     """
-    found = _mahalanobis(
-        claims.i, claims.j, claims.relative, claims.covariance, claims.blind, np.ascontiguousarray(poses), errors
-    )
-    return found[0], found[1]
+    args = (claims.i, claims.j, claims.relative, claims.covariance, claims.blind, np.ascontiguousarray(poses), errors)
+    found = _mahalanobis(*args)
+    return np.asarray(found[0]), np.asarray(found[1])
 
 
 @njit(cache=True)

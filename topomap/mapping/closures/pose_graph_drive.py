@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from topomap.core.arrays import FloatArray, IntArray
-from topomap.core.geometry import wrap_all
+from topomap.core.arrays import IntArray
 from topomap.mapping.closures.claims import Claims
 from topomap.mapping.closures.drive import Drive
 from topomap.mapping.odometry.increments import EdgeIncrements
@@ -15,7 +14,7 @@ from topomap.mapping.pose_graph import PoseGraph
 
 def drive_of(graph: PoseGraph, factor: float = 1.0) -> Drive:
     """Return the graph's odometry as a drive, its covariances times a factor."""
-    return Drive(odometry_poses(graph), odometry_edges(graph, factor))
+    return Drive(graph.dead_reckoning(), odometry_edges(graph, factor))
 
 
 def claims_of(graph: PoseGraph, factor: float = 1.0) -> tuple[Claims, IntArray]:
@@ -38,12 +37,3 @@ def odometry_edges(graph: PoseGraph, factor: float = 1.0) -> OdometryEdges:
     covariances = factor * undo @ graph.odometry_covariance @ undo.transpose(0, 2, 1)
     place = np.arange(graph.nodes)
     return OdometryEdges(place[:-1], place[1:], EdgeIncrements(deltas, np.ascontiguousarray(covariances), place))
-
-
-def odometry_poses(graph: PoseGraph) -> FloatArray:
-    """Return the poses (N, 3) by odometry alone."""
-    heading = np.concatenate([[0.0], np.cumsum(graph.odometry[:, 2])])
-    c, s = np.cos(heading[:-1]), np.sin(heading[:-1])
-    x, y = graph.odometry[:, 0], graph.odometry[:, 1]
-    steps = np.column_stack([c * x - s * y, s * x + c * y])
-    return np.column_stack([np.vstack([np.zeros(2), np.cumsum(steps, axis=0)]), wrap_all(heading)])

@@ -1,0 +1,1 @@
+"""Odometry: raw increments and their integration, calibration of systematic errors, scan matching."""

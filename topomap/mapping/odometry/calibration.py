@@ -1,4 +1,4 @@
-"""The odometry's systematic errors: the distance scale from metric evidence, and what is believed of all three."""
+"""The odometry's systematic errors: the distance scale from measured moves, and all three as estimates with sigmas."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ MAD_TO_SIGMA = 1.4826  # of a normal distribution
 
 
 class DistanceScaleSettings(BaseModel, frozen=True, extra="forbid"):
-    """How measured distances are held against the odometer's."""
+    """How measured distances are compared with the odometer's."""
 
     max_change: float = Field(0.25, gt=0, le=1, description="a scale further from 1 is a wrong measurement")
     min_moves: int = Field(8, ge=2, description="moves before the scale counts as seen")
@@ -36,7 +36,7 @@ class DistanceScale:
     def add(self, read: float, measured: float, sigma: float, seen: bool = False) -> None:
         """Take a move: way as the odometer read it, as it was measured, and the error of their difference [m].
 
-        seen: measured by the ground line, whose bias more moves don't take away either.
+        seen: measured by the ground line, whose bias doesn't average out over many moves.
         """
         if measured > 0 and abs(read / measured - 1.0) <= self._s.max_change:
             self._moves.append((read / measured, sigma / measured, seen))
@@ -61,7 +61,7 @@ class DistanceScale:
 def calibration_state(
     calibration: Calibration, covariance: FloatArray, prior_sigmas: Sequence[float]
 ) -> CalibrationState:
-    """Return what is believed, from the covariance (3, 3) of `Calibration.vector` and its prior's sigmas (3,).
+    """Return the estimates, from the covariance (3, 3) of `Calibration.vector` and its prior's sigmas (3,).
 
     A value is observed once its sigma is at most half of what it was before any data.
     """

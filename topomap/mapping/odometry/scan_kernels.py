@@ -56,8 +56,8 @@ def normal_equations(
 ) -> tuple[FloatArray, FloatArray, float, int]:
     """Return H (3, 3), g (3,), the weighted squared error and the number of point-to-line pairs within the cutoff [m].
 
-    pose (3,): where the moved scan is believed to stand; each of its points is paired with the nearest one of the first
-    scan among `window` rays to either side of the direction it is seen in, if the surfaces face alike.
+    pose (3,): the current estimate of where the moved scan stands; each of its points is paired with the nearest
+    one of the first scan among `window` rays to either side of the direction it is seen in, if the surfaces face alike.
     """
     n = len(points)
     information, gradient = np.zeros((3, 3)), np.zeros(3)

@@ -22,7 +22,7 @@ class ScanMatchSettings(BaseModel, frozen=True, extra="forbid"):
     iterations: int = Field(12, ge=2, description="steps of the alignment")
     window: int = Field(10, ge=1, description="rays to either side that a point may be paired with")
     min_share: float = Field(0.25, gt=0, le=1, description="share of all rays that must find a partner")
-    told: float = Field(0.04, gt=0, lt=1, description="a direction that fewer of the pairs tell isn't told [share]")
+    told: float = Field(0.04, gt=0, lt=1, description="share of the pairs below which a direction is unmeasured")
     sigma: float = Field(0.015, gt=0, description="least error of a pair [m]")
 
 
@@ -35,7 +35,8 @@ def seen_scans() -> ScanMatchSettings:
 class ScanMatch:
     """`a_from_b` (3,) of two scans with its covariance (3, 3) and the share of rays that found a partner.
 
-    The covariance is that of independent errors of the pairs: large where the surfaces don't tell, as along a corridor.
+    The covariance is that of independent errors of the pairs: large in
+    directions that the surfaces don't constrain, as along a corridor.
     """
 
     relative: FloatArray
@@ -63,18 +64,19 @@ def match_scans(
         pose -= _inverse(information, s.told) @ gradient
         pose[2] = wrap(float(pose[2]))
     variance = max(s.sigma**2, error / used)
-    return ScanMatch(pose, variance * _inverse(information, s.told, UNTOLD), used / len(a))
+    return ScanMatch(pose, variance * _inverse(information, s.told, UNMEASURED), used / len(a))
 
 
-UNTOLD = 1e6  # the covariance of what isn't told, in pair variances
+UNMEASURED = 1e6  # the variance of a direction that too few pairs constrain, in pair variances
 
 
 def _inverse(information: FloatArray, told: float, otherwise: float = 0.0) -> FloatArray:
-    """Invert an information (3, 3) in those directions that enough pairs tell; `otherwise` stands for the others.
+    """Invert an information (3, 3) in the directions that enough pairs constrain; the others get `otherwise`.
 
-    Noisy normals seem to tell of every direction a little, along a bare corridor too, and to couple the way along it
-    with the turn: so what isn't told of the position is taken out first, lest the turn, which the walls tell exactly,
-    share its doubt. A turn is weighed by what it moves the points, so that all directions count pairs.
+    Because normals are noisy, every direction looks constrained a little, even along a bare corridor, and the position
+    along it looks coupled with the turn. So unconstrained directions of the position are removed first: otherwise their
+    uncertainty would spread into the turn, which the walls measure well. The turn is scaled by how far it moves the
+    points, so that all three directions are measured in pairs.
     """
     arm = np.sqrt(max(information[2, 2] / max(information[0, 0] + information[1, 1], 1e-12), 1e-12))
     scale = np.array([1.0, 1.0, 1.0 / arm])

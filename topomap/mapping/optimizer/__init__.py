@@ -10,6 +10,7 @@ from topomap.mapping.optimizer.problem import (
     Solution,
     TurnEdge,
 )
+from topomap.mapping.optimizer.relative_edges import RelativeEdges, relative_edges
 from topomap.mapping.optimizer.settings import OptimizerSettings
 from topomap.mapping.optimizer.solver import Slices, solve, solving
 from topomap.mapping.optimizer.window import Recent, solve_recent
@@ -23,9 +24,11 @@ __all__ = [
     "OptimizerSettings",
     "Problem",
     "Recent",
+    "RelativeEdges",
     "Slices",
     "Solution",
     "TurnEdge",
+    "relative_edges",
     "solve",
     "solve_recent",
     "solving",

@@ -1,4 +1,4 @@
-"""Poses that move with the calibration: what keeps a long chain well conditioned.
+"""The derivative of every pose by the calibration along the chain, which keeps long chains well conditioned.
 
 In absolute poses every odometry edge pulls at the calibration, and all but the prior's pull cancels again when the
 poses are eliminated: after a thousand edges double precision is used up, and the calibration's covariance is noise.

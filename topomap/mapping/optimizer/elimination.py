@@ -1,8 +1,8 @@
-"""A chain without its inner nodes: what no closure touches is eliminated along the way, and gtsam sees the rest.
+"""Elimination of the nodes that no closure touches: gtsam solves for the others only.
 
 Making a factor costs Python more than gtsam needs to eliminate it, and most nodes of a long route are only joined to
-their neighbours. Each stretch between two nodes that are kept becomes one factor, exactly (by QR), and the nodes left
-out are found again from the solution.
+their neighbours. Each stretch between two nodes that are kept becomes one factor, exactly (by QR), and the
+nodes left out follow by back substitution.
 """
 
 from __future__ import annotations

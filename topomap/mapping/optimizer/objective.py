@@ -1,4 +1,4 @@
-"""Poses and calibration together: errors, weights and one Gauss-Newton step."""
+"""The objective: all residuals at a state, their weights, and one Gauss-Newton step of poses and calibration."""
 
 from __future__ import annotations
 
@@ -94,8 +94,10 @@ class Objective:
         return np.asarray(beside & first)
 
     def _turn_allowance(self) -> FloatArray:
-        """Return (n,) how far off the seen turns odometry may begin [rad^2]: where it is the worse of the two, a
-        right turn looks like a wrong one at first.
+        """Return (n,) the variance [rad^2] that odometry itself has over each measured turn.
+
+        It widens the turn's cutoff: before the odometry is calibrated, a correct turn may disagree with it by many of
+        the turn's own sigmas, and would be faded out as an outlier.
         """
         if not len(self._turns):
             return np.zeros(0)
@@ -140,6 +142,10 @@ class Objective:
             calibration_jacobian(odometry, state.poses, self.problem.anchor),
         )
 
+    def turn_weights(self, at: Linearised) -> FloatArray:
+        """Return (T,) what each measured turn counts: 1 where it fits, less the further it is off."""
+        return geman_mcclure(at.turns.chi2(), self._turn_cutoffs)
+
     def error(self, at: Linearised, weights: FloatArray) -> float:
         """Return the squared error with closure weights (M,)."""
         return self._firm(at) + float(weights @ at.closures.chi2())
@@ -156,8 +162,8 @@ class Objective:
 
     def system(self, at: Linearised, weights: FloatArray) -> LinearSystem:
         """Return the linear system with closure weights (M,), in poses that the calibration carries along."""
-        heard = weights > WEIGHTLESS
-        closures = with_calibration(at.closures.among(heard), at.calibration_jacobian)
+        used = weights > WEIGHTLESS
+        closures = with_calibration(at.closures.among(used), at.calibration_jacobian)
         inside, across = [], []
         for blocks, on_edge, cutoff in (
             (at.turns, self._turn_on_edge, self._turn_cutoffs),
@@ -172,11 +178,11 @@ class Objective:
         system.add_calibration_prior(at.prior, self._sigmas)
         for blocks in across:
             system.add(blocks)
-        system.add(closures.weighted(weights[heard]))
+        system.add(closures.weighted(weights[used]))
         return system
 
     def _condensed(self, odometry: Residuals, inside: list[Residuals], across: list[Residuals]) -> Condensed | None:
-        """Return the chain without the nodes that nothing but their neighbours on it sees."""
+        """Return the chain without the nodes that only its own edges touch; the anchor stays."""
         if not len(self._pairs):
             return None
         seen = np.zeros(len(self.problem.poses), bool)

@@ -1,4 +1,4 @@
-"""What the back end is asked and what it answers."""
+"""Problem and Solution of the back end: odometry, closures and turns in; poses, calibration and inliers out."""
 
 from __future__ import annotations
 
@@ -6,14 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
-from topomap.core.arrays import FloatArray, IntArray
+from topomap.core.arrays import BoolArray, FloatArray, IntArray
 from topomap.core.errors import TopomapError
 from topomap.core.geometry import Pose2
+from topomap.core.records import UNKNOWN_HEADING as UNKNOWN_HEADING  # what closures say of it, the back end reads
 from topomap.mapping.odometry.increments import Calibration, EdgeIncrements, Increments
 
-UNKNOWN_HEADING = 1.0  # [rad^2] a heading variance above this says that the heading isn't known
 PRIOR_SIGMAS = (0.05, 0.01, 0.1)  # log rotation scale, curvature [rad/m], log distance scale
 
 
@@ -63,7 +62,7 @@ class ClosureEdge:
 
 @dataclass(frozen=True, slots=True)
 class TurnEdge:
-    """A turn [rad] seen from node i to node j (visual compass), with its sigma [rad]."""
+    """A turn [rad] measured from node i to node j, by scans or by the visual compass, with its sigma [rad]."""
 
     i: int
     j: int
@@ -107,7 +106,7 @@ class Closures:
             np.array([e.weight for e in edges], float),
         )
 
-    def __getitem__(self, part: NDArray[np.bool_] | IntArray | slice) -> Closures:
+    def __getitem__(self, part: BoolArray | IntArray | slice) -> Closures:
         return Closures(self.i[part], self.j[part], self.relative[part], self.covariance[part], self.weight[part])
 
 
@@ -179,8 +178,8 @@ class Problem:
 class Solution:
     """What the back end found; refused (improved False) it holds the problem's own poses and calibration.
 
-    poses (N, 3); calibration_covariance (3, 3) of `Calibration.vector`; closure_weights (M,) in [0, 1], at
-    least 0.5 for a closure that is believed; error_before, error_after: truncated squared error of start and
+    poses (N, 3); calibration_covariance (3, 3) of `Calibration.vector`; closure_weights (M,) in [0, 1], at least 0.5
+    for an inlier; error_before, error_after: truncated squared error of start and
     result.
     """
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from topomap.core.arrays import FloatArray, IntArray
+from topomap.core.arrays import BoolArray, FloatArray, IntArray
 from topomap.core.geometry import between, wrap_all
+from topomap.core.records import UNKNOWN_HEADING
 from topomap.mapping.odometry.increments import Calibration, Preintegrated
-from topomap.mapping.optimizer.problem import UNKNOWN_HEADING, Closures
+from topomap.mapping.optimizer.problem import Closures
 
 # no odometer does better over an edge: keeps a parked robot's edges from becoming infinitely stiff
 FLOOR = np.diag([2e-3, 2e-3, 5e-4]) ** 2
@@ -34,7 +34,7 @@ class Residuals(NamedTuple):
         """Return (n,) squared errors."""
         return np.asarray((self.residual**2).sum(axis=1))
 
-    def among(self, part: NDArray[np.bool_]) -> Residuals:
+    def among(self, part: BoolArray) -> Residuals:
         """Return some (n,) of the residuals."""
         calibration = None if self.by_calibration is None else self.by_calibration[part]
         return Residuals(self.i[part], self.j[part], self.by_i[part], self.by_j[part], calibration, self.residual[part])
@@ -73,9 +73,9 @@ def _relative(poses: FloatArray, i: IntArray, j: IntArray) -> tuple[FloatArray, 
 def odometry_residuals(poses: FloatArray, calibration: Calibration, pairs: IntArray, edges: Preintegrated) -> Residuals:
     """Return the odometry edges pairs (n, 2) in raw units.
 
-    They are D R_i^T (t_j - t_i) - p_raw and R turn - turn_raw + C/D forward_raw. Raw units keep the noise
-    as it was read whatever the scales: in true metres a smaller world would be cheaper, and one false closure
-    could shrink it.
+    They are D R_i^T (t_j - t_i) - p_raw and R turn - turn_raw + C/D forward_raw. In raw units the
+    noise doesn't depend on the scales. In true metres every residual would shrink with the distance scale, and a single
+    false closure could shrink the whole map.
     """
     d, r = calibration.distance_scale, calibration.rotation_scale
     bend = calibration.curvature / d
@@ -101,7 +101,8 @@ def closure_residuals(poses: FloatArray, closures: Closures) -> Residuals:
     """Return the closures R_i^T (t_j - t_i) - p, turn - claimed turn, each times the root of its weight.
 
     Where the heading isn't known the residual is t_j - t_i - R_i p in the map frame with one sigma both ways,
-    so that a "same place" says nothing about any heading, not even through the linearisation.
+    so that such a closure
+    constrains no heading, not even through the linearisation.
     """
     relative, by_i, by_j = _relative(poses, closures.i, closures.j)
     residual = relative - closures.relative
@@ -128,10 +129,10 @@ def closure_chi2(poses: FloatArray, closures: Closures, extra: FloatArray) -> Fl
 
 
 def _free_heading(
-    poses: FloatArray, closures: Closures, blind: NDArray[np.bool_],
+    poses: FloatArray, closures: Closures, blind: BoolArray,
     residual: FloatArray, by_i: FloatArray, by_j: FloatArray,
 ) -> None:  # fmt: skip
-    """Rewrite the blind rows in the map frame."""
+    """Replace the rows of closures without a heading by residuals in the map frame."""
     i, j = closures.i[blind], closures.j[blind]
     c, s = np.cos(poses[i, 2]), np.sin(poses[i, 2])
     p = closures.relative[blind]
@@ -144,7 +145,7 @@ def _free_heading(
 
 
 def turn_residuals(poses: FloatArray, i: IntArray, j: IntArray, turn: FloatArray, sigma: FloatArray) -> Residuals:
-    """Return the seen turns (n,) [rad] with sigma (n,) as residuals of one row."""
+    """Return the measured turns (n,) [rad] with sigma (n,) as residuals of one row."""
     residual = wrap_all(poses[j, 2] - poses[i, 2] - turn) / sigma
     by_j = np.zeros((len(i), 1, 3))
     by_j[:, 0, 2] = 1 / sigma
@@ -154,8 +155,8 @@ def turn_residuals(poses: FloatArray, i: IntArray, j: IntArray, turn: FloatArray
 def axis_residuals(poses: FloatArray, i: IntArray, j: IntArray, sigma: FloatArray) -> Residuals:
     """Return how far the headings of i are off the nearest building axis, in sigmas (n,), as residuals of one row.
 
-    The axes' direction is the one that fits these headings best: where they are densest, not their mean, so
-    that a robot across the corridor doesn't turn the building.
+    The direction of the axes is where the headings are densest, not their mean: a robot that stands across the corridor
+    doesn't turn the building.
     """
     headings = poses[i, 2]
     off = _to_axis(headings, _axis(headings, sigma)) / sigma

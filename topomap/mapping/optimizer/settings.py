@@ -1,4 +1,4 @@
-"""How the back end weighs closures."""
+"""Settings of the back end: outlier cutoffs, annealing, convergence."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ class OptimizerSettings(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     cutoff: float = Field(
-        default=3.4, gt=0, le=100, description="a closure further off isn't believed [sigmas; 99 % at 3 dof]"
+        default=3.4, gt=0, le=100, description="a closure further off is an outlier [sigmas; 99 % at 3 dof]"
     )
     cutoffs: tuple[float, ...] = Field(
         default=(), description="annealed cutoffs [sigmas]; none: begin with what odometry allows"
@@ -26,6 +26,6 @@ class OptimizerSettings(BaseModel):
         default=3.0,
         gt=0,
         le=100,
-        description="seen turns further off than odometry and they themselves may be fade out [sigmas]",
+        description="measured turns fade out beyond this [sigmas of turn and odometry together]",
     )
     support: SupportSettings = Field(default_factory=SupportSettings, description="agreement that seeds a solve")

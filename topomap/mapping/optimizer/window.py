@@ -1,4 +1,4 @@
-"""A bounded solve between two full ones: the newest stretch alone, hung on what was solved before."""
+"""A bounded solve between two full ones: the newest nodes move, all older ones are held."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ import numpy as np
 
 from topomap.core.arrays import FloatArray, IntArray
 from topomap.core.geometry import between, compose
+from topomap.core.records import UNKNOWN_HEADING
 from topomap.mapping.odometry.increments import Calibration
 from topomap.mapping.optimizer.problem import (
-    UNKNOWN_HEADING,
     Closures,
     OdometryEdge,
     OdometryEdges,
@@ -23,11 +23,12 @@ from topomap.mapping.optimizer.settings import OptimizerSettings
 from topomap.mapping.optimizer.solver import solve
 from topomap.mapping.uncertainty.odometry_chain import turned_by
 
-HELD = (1e-6, 1e-6, 1e-6)  # the calibration is left to full solves: heard again and again, a stretch would sway it
+# the calibration is left to full solves: the same stretch, solved again and again, would count many times over
+HELD = (1e-6, 1e-6, 1e-6)
 
 
 class Recent(NamedTuple):
-    """What a bounded solve found: nodes (n,), which of the closures were heard (m,), and the solution for these."""
+    """What a bounded solve found: nodes (n,), which of the closures were used (m,), and the solution for these."""
 
     nodes: IntArray
     heard: IntArray
@@ -45,7 +46,7 @@ def solve_recent(
     """Solve the nodes of the newest odometry edges; the work doesn't grow with the map.
 
     poses (N, 3) of the whole map: those of all other nodes stay, and the first of these nodes is held. Closures are
-    heard whose newer end is among these nodes, whether or not the older one is. Raises TopomapError.
+    used whose newer end is among these nodes, whether or not the older one is. Raises TopomapError.
     """
     nodes = np.array([odometry[0].i, *(edge.j for edge in odometry)], np.int64)
     place = np.full(len(poses), -1)
@@ -68,7 +69,7 @@ def solve_recent(
 
 
 def _hung(poses: FloatArray, anchor: int, place: IntArray, closures: Closures) -> Closures:
-    """Return the closures by place; one whose older end stays where it is begins at the anchor, which stays, too."""
+    """Return the closures in the stretch's numbering; one from a held node is carried to the anchor, held as well."""
     outside = place[closures.i] < 0
     old = poses[closures.i[outside]]
     way = between(np.broadcast_to(poses[anchor], old.shape), old)

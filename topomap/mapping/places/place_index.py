@@ -1,15 +1,16 @@
-"""Stored views that are searched by what they look like, whatever their rotation; exact, yet most are never compared.
+"""The stored views most similar to a given one at any rotation: exact, though most are ruled out uncompared.
 
-The magnitudes of a view's spectrum along the columns don't change when the robot turns, and tell the least difference
-that two views can have at any rotation. Only the views whose least possible difference is low are compared exactly.
+The magnitudes of a view's spectrum along the columns don't change when the robot turns, and bound the
+difference of two views at any rotation from below. Only the views whose least possible difference is low are compared
+exactly.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from topomap.core.arrays import Float32Array, IntArray
-from topomap.vision.image.compare import Complex64Array, RotationDifferences, Signature, rotation_differences
+from topomap.core.arrays import Complex64Array, Float32Array, IntArray
+from topomap.vision.image.compare import RotationDifferences, Signature, rotation_differences
 
 FREQUENCIES = 16
 BLOCK = 64
@@ -70,7 +71,7 @@ class PlaceIndex:
         return _best(order, self._promising(view, order, likeness[order], count), count)
 
     def _promising(self, view: Signature, order: IntArray, likeness: Float32Array, count: int) -> RotationDifferences:
-        """Return the differences to the head of `order` behind which no view can be among the best `count`."""
+        """Return the differences to the first views of `order`: to so many that no later one can be among the best."""
         least = np.sqrt(np.maximum(2.0 - 2.0 * likeness.astype(float), 0.0))
         difference, rotation = np.empty(len(order), np.float32), np.empty(len(order))
         for start in range(0, len(order), BLOCK):

@@ -22,9 +22,9 @@ class RecognitionSettings(BaseModel, frozen=True, extra="forbid"):
 
     min_travel: float = Field(8.0, gt=0, description="way since a node before it can be seen again [m]")
     threshold: float = Field(
-        0.95, gt=0, description="share of the usual difference to other places above which nothing is proposed"
+        0.95, gt=0, description="nothing is proposed above this share of the median difference to other places"
     )
-    memory: int = Field(300, ge=1, description="steps over which the usual difference is taken")
+    memory: int = Field(300, ge=1, description="steps over which that median is taken")
     lag: int = Field(2, ge=1, description="steps to either side over which the difference has its minimum")
     shortlist: int = Field(8, ge=1, description="most similar nodes that are compared in detail")
     compared: int = Field(400, ge=1, description="nodes within reach that are compared; of more, the most similar")
@@ -109,11 +109,11 @@ class Recognition:
 
     @property
     def limit(self) -> float:
-        """The image difference above which nothing is proposed, by what other places look like here; 0 before any."""
+        """The image difference above which nothing is proposed: a share of that to other places; 0 at first."""
         return self._s.threshold * float(np.median(self._usual)) if self._usual else 0.0
 
     def _learn(self, view: Signature, travel: float) -> None:
-        """Note how different the places look that surely are others: those left behind, not yet to be seen again."""
+        """Learn how different other places look, from nodes that were left too recently to be seen again."""
         first, last = self._old(travel), self._old(travel + self._s.min_travel / 2)
         if last > first:
             differences = self._index.compare(view, np.arange(first, last)).difference

@@ -1,4 +1,4 @@
-"""Agreement among closures: neighbours along the way that tell the same story about the relative position."""
+"""Agreement among closures: how many neighbouring closures are consistent with each, and how well loops close."""
 
 from __future__ import annotations
 
@@ -41,8 +41,9 @@ def support(claims: Claims, poses: FloatArray, travelled: FloatArray, settings: 
     """Return (M,) the summed weights of the other closures that agree with each.
 
     poses (N, 3): odometry's, in chain order (only near pairs are compared, drift doesn't matter); travelled (N,):
-    way [m]. Two closures agree when going from i to i' and across ends where going across and from j to j' does; where
-    the heading isn't known, the robot may look the same way or the opposite one.
+    way [m]. Two
+    closures i-j and i'-j' agree when the ways i, i', j' and i, j, j' end at the same place. Without a heading the robot
+    may have looked the same way or the opposite one.
     """
     a, b = neighbours(claims, travelled, settings.window)
     agree = _agreeing(claims, poses, a, b, settings)

@@ -1,4 +1,4 @@
-"""The map's chain, summed up anew only from where it changed since it was last asked for."""
+"""The odometry chain of a growing map: only what comes after the first changed node is summed up anew."""
 
 from __future__ import annotations
 

@@ -82,7 +82,8 @@ class Chain:
 def _with_turns(noise: FloatArray, response: FloatArray, variances: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return what is left of odometry's errors once turns were measured: noise (E, 3, 3) and response (E, 3, 3).
 
-    The measurement corrects an edge by its gain (Kalman, in Joseph's form), whichever error it was that it shows.
+    A turn updates its edge as a measurement updates a Kalman filter (in Joseph's form), so that random and systematic
+    errors shrink alike.
     """
     gain = noise[:, :, 2] / (noise[:, 2, 2] + variances)[:, None]
     left = np.tile(np.eye(3), (len(noise), 1, 1))

@@ -1,4 +1,4 @@
-"""Covariances between places when the way may lead over a closure, for many places or many closures at once.
+"""Covariances between places along the best path, which may lead over one closure; for many places at once.
 
 Errors are summed in the map frame about its origin (`Chain`), where those of a way's parts simply add; a way over a
 closure is the chain to one end, the closure, and the chain from its other end, taken as independent.

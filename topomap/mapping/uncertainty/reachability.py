@@ -21,7 +21,7 @@ LATEST = 3  # closures over which a shorter way is looked for
 
 
 class Reachability:
-    """Covariances along the travelled chain, short cuts over closures included; follows the map as it changes."""
+    """Covariances along the travelled chain, also over closures; follows the map as it changes."""
 
     def __init__(self, topo: TopoMap, optimisation: Optimisation, sigma: float, probability: float) -> None:
         """sigma [m]: how far apart the two spots of a true closure may lie; probability of a true one to pass."""
@@ -52,7 +52,7 @@ class Reachability:
         return math.sqrt(self._limit * max(variance, 0.0))
 
     def within_reach(self, pose: Pose2, nodes: IntArray) -> IntArray:
-        """Return those of some older nodes (n,) at which odometry allows the robot to be, believed at `pose`."""
+        """Return those of some older nodes (n,) at which odometry allows the robot to be, now estimated at `pose`."""
         if not len(nodes):
             return nodes
         self._current()

@@ -89,8 +89,8 @@ FIGURES: tuple[FigureKind, ...] = (
     ),
     FigureKind(
         "Position error",
-        "Distance from the true position. Online is what the stack believed at the step, the final map is"
-        " what it believes now of that step. Marks on the time axis are accepted closures.",
+        "Distance from the true position. Online is the estimate at the step, the final map is"
+        "  the finished map's estimate of that step. Marks on the time axis are accepted closures.",
         position_error,
         _no_truth,
     ),

@@ -1,4 +1,4 @@
-"""What the images told over time: the difference to the last snapshot, and to the most similar older
+"""Image differences over time: the difference to the last snapshot, and to the most similar older
 place."""
 
 from __future__ import annotations

@@ -44,8 +44,8 @@ def _draw(axes: Axes, run: RunData, truth: FloatArray, route: FloatArray, start:
     axes.plot(truth[:start, 0], truth[:start, 1], color=style.PALE, linewidth=0.9, label="driven before")
     axes.plot(route[:, 0], route[:, 1], "s--", color=style.GREEN, linewidth=0.9, markersize=4,
               markerfacecolor="white", label="planned milestones")  # fmt: skip
-    believed, _ = placed(run, run.online)
-    style.line(axes, believed[start:, 0], believed[start:, 1], style.ONLINE)
+    online, _ = placed(run, run.online)
+    style.line(axes, online[start:, 0], online[start:, 1], style.ONLINE)
     style.line(axes, truth[start:, 0], truth[start:, 1], replace(style.TRUTH, width=1.6, label="true path"))
     axes.plot(*truth[start, :2], "^", color=style.BLACK, markersize=7, label="hand-over")
     axes.add_patch(Circle(route[-1], REACHED_M, facecolor="none", edgecolor=style.RED, linewidth=1.2))

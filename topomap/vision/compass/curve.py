@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from topomap.core.arrays import FloatArray
+from topomap.core.arrays import BoolArray, FloatArray
 from topomap.core.geometry import TAU, wrap, wrap_all
 from topomap.core.records import Alignment
 from topomap.vision.image.compare import parabola
@@ -20,6 +20,6 @@ def least(curve: FloatArray, prior: float | None, window: float) -> Alignment:
     return Alignment(wrap((k + float(offset[0])) * TAU / count), float(low[0]))
 
 
-def _near(count: int, prior: float, window: float) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+def _near(count: int, prior: float, window: float) -> BoolArray:
     angles = np.arange(count, dtype=np.float64) * (TAU / count) - prior
     return np.asarray(np.abs(wrap_all(angles)) <= max(window, TAU / count), np.bool_)

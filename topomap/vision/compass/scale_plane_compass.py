@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from topomap.core.arrays import Float32Array
+from topomap.core.arrays import Float32Array, FloatArray
 from topomap.core.errors import ShapeError
 from topomap.core.panorama import Panorama
 from topomap.core.records import Alignment
@@ -30,7 +30,7 @@ class ScalePlaneCompass:
         """Return the rotation [rad] of least difference. Raises ShapeError."""
         return least(self.curve(warping_view(current, self.spec), warping_view(goal, self.spec)), prior, self.window)
 
-    def curve(self, current: WarpingView, goal: WarpingView) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+    def curve(self, current: WarpingView, goal: WarpingView) -> FloatArray:
         """Return the mean NSAD (n P,) at rotations of 0, 1/P, .. columns."""
         if current.edges.shape != goal.edges.shape:
             raise ShapeError(f"views differ in shape: {current.edges.shape} and {goal.edges.shape}")

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from topomap.core.arrays import BoolArray, FloatArray
 from topomap.core.geometry import TAU, wrap, wrap_all
 from topomap.core.panorama import Panorama
 from topomap.core.records import Alignment
@@ -16,7 +16,6 @@ from topomap.vision.homing.view_vector import same_views
 from topomap.vision.image.compare import Signature, SignatureSpec, parabola, signature, squared_differences
 from topomap.vision.matching.kernels import absolute_differences
 
-Curve = NDArray[np.float64]
 _SHARP = SignatureSpec(columns=180, rows=25, blur=0.0)
 
 
@@ -51,16 +50,16 @@ class VisualCompass:
             math.sqrt(residual) if self.form == "ssd" else residual,
         )
 
-    def curve(self, current: Signature, goal: Signature) -> Curve:
+    def curve(self, current: Signature, goal: Signature) -> FloatArray:
         """Return the mean squared or absolute difference (C,) at every shift of the current picture."""
         if self.form == "ssd":
-            squares: Curve = squared_differences(current, goal.spectrum[np.newaxis])[0]
+            squares: FloatArray = squared_differences(current, goal.spectrum[np.newaxis])[0]
             return squares
         return np.asarray(absolute_differences(current.pixels, goal.pixels), np.float64)
 
-    def _near(self, columns: int, prior: float) -> NDArray[np.bool_]:
+    def _near(self, columns: int, prior: float) -> BoolArray:
         angles = np.arange(columns, dtype=np.float64) * (TAU / columns) - prior
-        near: NDArray[np.bool_] = np.abs(wrap_all(angles)) <= max(self.window, TAU / columns)
+        near: BoolArray = np.abs(wrap_all(angles)) <= max(self.window, TAU / columns)
         return near
 
 

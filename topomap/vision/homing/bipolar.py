@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from topomap.core.arrays import FloatArray
+from topomap.core.arrays import FloatArray, IntArray
 from topomap.core.errors import ShapeError
 from topomap.core.geometry import TAU
 from topomap.core.panorama import Panorama
@@ -89,8 +89,8 @@ class BipolarMasks:
 
 def _means(
     colours: FloatArray,
-    left: np.ndarray[tuple[int, ...], np.dtype[np.int64]],
-    right: np.ndarray[tuple[int, ...], np.dtype[np.int64]],
+    left: IntArray,
+    right: IntArray,
 ) -> FloatArray:
     corners = np.stack([left, np.zeros_like(left), right, np.ones_like(left)], axis=1)
     return np.stack([box_sums(colour, corners)[0] for colour in colours]) / (right - left)

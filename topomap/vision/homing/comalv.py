@@ -7,6 +7,7 @@ from typing import ClassVar, Protocol
 
 import numpy as np
 
+from topomap.core.arrays import FloatArray
 from topomap.core.geometry import TAU
 from topomap.core.panorama import Panorama
 from topomap.core.records import HomeVector
@@ -98,5 +99,5 @@ class ModifiedCentreOfMass:
         return vector_home(x, y, float(sum(apart)) + 1e-9, 0.5 if apart[0] > 1e-9 else 0.0)
 
 
-def _array(vector: ViewVector) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+def _array(vector: ViewVector) -> FloatArray:
     return np.array([vector.x, vector.y])

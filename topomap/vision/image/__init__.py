@@ -1,0 +1,1 @@
+"""Image work: comparison, unwrapping, ground line, keypoints, landmarks, masks, scale planes."""

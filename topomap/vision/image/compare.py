@@ -9,15 +9,13 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
-from topomap.core.arrays import Float32Array
+from topomap.core.arrays import Complex64Array, Float32Array, FloatArray
 from topomap.core.errors import ShapeError
 from topomap.core.geometry import TAU, wrap_all
 from topomap.core.panorama import Panorama
 from topomap.vision.matching.kernels import spectra_products
 
-Complex64Array = NDArray[np.complex64]
 BLANK = 1e-3
 """Standard deviation in grey values below which a picture holds nothing; it is then all zeros."""
 
@@ -106,7 +104,7 @@ class RotationDifferences:
     """
 
     difference: Float32Array
-    rotation: NDArray[np.float64]
+    rotation: FloatArray
 
 
 def rotation_difference(current: Signature, stored: Signature) -> tuple[float, float]:
@@ -131,7 +129,7 @@ def rotation_differences(current: Signature, spectra: Complex64Array) -> Rotatio
     return RotationDifferences(np.sqrt(np.maximum(low, 0.0)).astype(np.float32), rotation)
 
 
-def squared_differences(current: Signature, spectra: Complex64Array) -> NDArray[np.float64]:
+def squared_differences(current: Signature, spectra: Complex64Array) -> FloatArray:
     """Return the mean squared difference (N, C) of stored views to the current one rolled by 0, 1, .. C-1
     columns.
     """
@@ -139,13 +137,11 @@ def squared_differences(current: Signature, spectra: Complex64Array) -> NDArray[
     products, powers = spectra_products(spectra, np.conj(current.spectrum), columns)
     own = float(np.square(current.pixels, dtype=np.float64).mean())
     correlation = np.fft.irfft(products, n=columns, axis=1)
-    result: NDArray[np.float64] = powers[:, np.newaxis] + own - (2.0 / (rows * columns)) * correlation
+    result: FloatArray = powers[:, np.newaxis] + own - (2.0 / (rows * columns)) * correlation
     return result
 
 
-def parabola(
-    below: NDArray[np.float64], here: NDArray[np.float64], above: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def parabola(below: FloatArray, here: FloatArray, above: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the offset (N,) in [-0.5, 0.5] and value (N,) of the minimum through three neighbours."""
     bend = below - 2.0 * here + above
     safe = np.where(bend > 1e-12, bend, np.inf)

@@ -11,9 +11,8 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
-from topomap.core.arrays import Float32Array, FloatArray
+from topomap.core.arrays import BoolArray, Float32Array, FloatArray
 from topomap.core.panorama import Panorama
 from topomap.vision.image.seam import seam
 
@@ -31,7 +30,7 @@ class GroundLine:
     """rows (W,): the boundary above the first row of floor; seen (W,): where there is one."""
 
     rows: FloatArray
-    seen: NDArray[np.bool_]
+    seen: BoolArray
 
 
 def ground_line(panorama: Panorama) -> GroundLine:

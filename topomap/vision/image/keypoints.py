@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from topomap.core.arrays import Float32Array, FloatArray
+from topomap.core.arrays import Float32Array, FloatArray, Image
 from topomap.core.geometry import TAU
 from topomap.core.panorama import Panorama
 from topomap.core.rig import Rig
@@ -65,9 +65,7 @@ def _keypoints(panorama: Panorama, spec: KeypointSpec) -> Keypoints:
     return Keypoints(places[:, 0] * (TAU / rig.width), slopes, root.astype(np.float32), rig)
 
 
-def _detected(
-    wide: np.ndarray[tuple[int, ...], np.dtype[np.uint8]], spec: KeypointSpec
-) -> tuple[list[cv2.KeyPoint], Float32Array]:
+def _detected(wide: Image, spec: KeypointSpec) -> tuple[list[cv2.KeyPoint], Float32Array]:
     if min(wide.shape) < 16:
         return [], np.empty((0, 128), np.float32)
     found, looks = cv2.SIFT.create(spec.most, contrastThreshold=spec.contrast).detectAndCompute(wide, None)

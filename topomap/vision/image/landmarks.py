@@ -6,16 +6,13 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
-from topomap.core.arrays import Float32Array, FloatArray
+from topomap.core.arrays import BoolArray, Float32Array, FloatArray, IndexArray
 from topomap.core.geometry import TAU, wrap_all
 from topomap.core.panorama import Panorama
 from topomap.core.rig import Rig
 from topomap.vision.image.distances import filled
 from topomap.vision.image.ring import RingSpec, ring
-
-IndexArray = NDArray[np.intp]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -110,7 +107,7 @@ def markers(panorama: Panorama, spec: MarkerSpec) -> Landmarks:
     return Landmarks(bearings, looks, _nearest(panorama, bearings), panorama.rig)
 
 
-def _runs(chosen: NDArray[np.bool_]) -> list[tuple[int, int]]:
+def _runs(chosen: BoolArray) -> list[tuple[int, int]]:
     """Return (first, length) of the runs around the circle."""
     if chosen.all():
         return []

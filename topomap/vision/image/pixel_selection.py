@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
-from topomap.core.arrays import BoolArray, FloatArray
+from topomap.core.arrays import BoolArray, FloatArray, IndexArray
 from topomap.core.geometry import TAU, wrap_all
 from topomap.core.panorama import Panorama
 from topomap.vision.image.colour_features import horizon
@@ -33,7 +32,7 @@ def landmark_count(current: FloatArray, goal: FloatArray, least: int = 50) -> in
     return int(counts[int(np.argmax(scores))])
 
 
-def _score(current: FloatArray, here: NDArray[np.intp], goal: FloatArray, there: NDArray[np.intp], width: int) -> float:
+def _score(current: FloatArray, here: IndexArray, goal: FloatArray, there: IndexArray, width: int) -> float:
     order = np.argsort(goal, kind="stable")
     sorted_goal = goal[order]
     at = np.clip(np.searchsorted(sorted_goal, current), 1, max(len(goal) - 2, 1))

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-from topomap.core.arrays import FloatArray
+from topomap.core.arrays import FloatArray, IntArray
 
 REACH = 2  # rows that the line may bend from one column to the next
 
 
 @njit(cache=True)
-def seam(score: FloatArray, bend: float, jump: float) -> NDArray[np.int64]:
+def seam(score: FloatArray, bend: float, jump: float) -> IntArray:
     """Return the row (W,) in each column of score (R, W) along the best line.
 
     bend: what each row up or down costs; jump: what going on at any other row costs. The line is followed three times

@@ -1,0 +1,1 @@
+"""Matching of two panoramas: warping, two-view geometry, ring flow, and their numba kernels."""

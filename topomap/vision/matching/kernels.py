@@ -4,20 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-from topomap.core.arrays import Float32Array, IntArray
-
-Complex64Array = NDArray[np.complex64]
-Complex128Array = NDArray[np.complex128]
-Float64Array = NDArray[np.float64]
-Int8Array = NDArray[np.int8]
+from topomap.core.arrays import Complex64Array, Float32Array, FloatArray, Int8Array, IntArray
 
 
 @njit(cache=True)
 def spectra_products(
     spectra: Complex64Array, conjugate: Complex64Array, columns: int
-) -> tuple[Complex64Array, Float64Array]:
+) -> tuple[Complex64Array, FloatArray]:
     """Return sum over rows of spectra (N, R, F) times conjugate (R, F): (N, F), and each picture's mean power
     (N,).
 
@@ -107,7 +101,7 @@ def warping_search(
 
 
 @njit(cache=True)
-def absolute_differences(current: Float32Array, goal: Float32Array) -> Float64Array:
+def absolute_differences(current: Float32Array, goal: Float32Array) -> FloatArray:
     """Return the mean absolute difference (C,) of goal (R, C) and current (R, C) rolled by 0, 1, .. C-1
     columns.
     """
@@ -122,7 +116,7 @@ def absolute_differences(current: Float32Array, goal: Float32Array) -> Float64Ar
             turned = twice[columns - i : 2 * columns - i]
             for k in range(columns):
                 total[k] += abs(value - turned[k])
-    mean: Float64Array = total.astype(np.float64) / (rows * columns)
+    mean: FloatArray = total.astype(np.float64) / (rows * columns)
     return mean
 
 
@@ -162,7 +156,7 @@ def _dtw_table(home: Float32Array, current: Float32Array, band: int) -> tuple[In
 
 
 @njit(cache=True)
-def dtw_path(home: Float32Array, current: Float32Array, band: int) -> tuple[Float64Array, float]:
+def dtw_path(home: Float32Array, current: Float32Array, band: int) -> tuple[FloatArray, float]:
     """Match two sequences (F, L) by dynamic time warping within |i - j| <= band (Sakoe, Chiba 1978).
 
     Returns for each home index the mean of the matched current indices minus itself (L,), and the path's
@@ -178,7 +172,7 @@ def dtw_path(home: Float32Array, current: Float32Array, band: int) -> tuple[Floa
 
 
 @njit(cache=True)
-def dtw_pairs(home: Float32Array, current: Float32Array, band: int) -> tuple[IntArray, IntArray, Float64Array, float]:
+def dtw_pairs(home: Float32Array, current: Float32Array, band: int) -> tuple[IntArray, IntArray, FloatArray, float]:
     """Match as `dtw_path` does; return every matched pair, home and current indices (M,), from the end, their
     difference (M,) per feature, and the path's cost.
     """

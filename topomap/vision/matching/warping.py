@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from topomap.core.arrays import Float32Array, FloatArray, IntArray
 from topomap.core.errors import ShapeError
@@ -123,7 +122,7 @@ def best(found: WarpingCost) -> Alignment:
 
 _GRID = np.array([(a, t) for a in (-1.0, 0.0, 1.0) for t in (-1.0, 0.0, 1.0)])
 _DESIGN = np.column_stack([np.ones(9), _GRID, _GRID**2, _GRID[:, 0] * _GRID[:, 1]])
-_SOLVE: NDArray[np.float64] = np.linalg.pinv(_DESIGN)
+_SOLVE: FloatArray = np.linalg.pinv(_DESIGN)
 
 
 def _refined(found: WarpingCost, alpha: int, turn: int) -> tuple[float, float]:

@@ -1,0 +1,27 @@
+"""A finished map as the back end's problem again: to solve it anew, or to hand it to another optimiser."""
+
+from __future__ import annotations
+
+from topomap.core.errors import TopomapError
+from topomap.mapping.graph import TopoMap
+from topomap.mapping.optimizer import Closures, OdometryEdge, OdometryEdges, Problem
+
+# the measured distances that the calibration was found with aren't in the map: it stays nearly as it was found
+KEPT_SIGMAS = (0.01, 0.002, 0.01)
+
+
+def map_problem(topo: TopoMap) -> Problem:
+    """Return the problem of a map's odometry, measured turns and closures. Raises TopomapError for a single node."""
+    edges = OdometryEdges.of([OdometryEdge(*edge) for edge in topo.odometry_edges()])
+    if not len(edges):
+        raise TopomapError("a map of one node has no edges to solve")
+    return Problem(
+        topo.poses.copy(),
+        edges,
+        Closures.of(topo.closures),
+        tuple(topo.turns),
+        topo.calibration,
+        prior=topo.calibration,
+        prior_sigmas=KEPT_SIGMAS,
+        anchor=topo.chain[0],
+    )
