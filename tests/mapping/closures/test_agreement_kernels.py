@@ -138,7 +138,7 @@ def test_beyond_the_limit_only_more_is_told_and_within_it_nothing_changes() -> N
     exact = distance(claims, chain, 0, 1)
     assert distance(claims, chain, 0, 1, limit=exact * 1.01) == exact
     assert distance(claims, chain, 0, 1, limit=exact * 0.5) > exact * 0.5
-    turned = Claims.of(claims.i, claims.j, claims.relative + [[0, 0, 0], [0, 0, 2.0]], claims.covariance)
+    turned = Claims.of(claims.i, claims.j, claims.relative + np.array([[0, 0, 0], [0, 0, 2.0]]), claims.covariance)
     assert np.isinf(distance(turned, chain, 0, 1, limit=16.3))
     assert np.isfinite(distance(turned, chain, 0, 1))
 
