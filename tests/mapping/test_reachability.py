@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 from maps import snapshot
-from ring import ring
+from ring import edges_of, ring
 
 from topomap.core.arrays import FloatArray
 from topomap.core.geometry import between
 from topomap.mapping.graph import Node, TopoMap
-from topomap.mapping.odometry.increments import Calibration, EdgeIncrements
+from topomap.mapping.odometry.increments import Calibration
 from topomap.mapping.optimizer import TurnEdge
 from topomap.mapping.uncertainty.incremental_chain import IncrementalChain
 from topomap.mapping.uncertainty.odometry_chain import Chain, carried_to_origin, composed_covariance
@@ -21,7 +21,7 @@ CLOSURE = np.diag([0.1, 0.2, 0.05]) ** 2
 
 def made_chain() -> Chain:
     problem = ring(3, nodes=60, length=60, closures=0).problem
-    edges = EdgeIncrements.of([e.increments for e in problem.odometry]).integrate(Calibration())
+    edges = problem.odometry.increments.integrate(Calibration())
     poses = [np.zeros(3)]
     deltas = edges.deltas(Calibration())
     for delta in deltas:
@@ -75,7 +75,7 @@ def test_the_growing_chain_is_the_whole_one_after_every_change() -> None:
     topo, turns = TopoMap(), []
     last = topo.add(Node(0, 0.0, snapshot(0)), None)
     growing = IncrementalChain(topo, turns)
-    for k, edge in enumerate(problem.odometry):
+    for k, edge in enumerate(edges_of(problem)):
         new = topo.add(Node(int(edge.increments.stamps_ns[-1]), 0.0, snapshot(k) if k % 4 else None), edge.increments)
         if k % 4:
             turns.append(TurnEdge(last, new, 0.0, 0.01))
@@ -100,7 +100,7 @@ def test_the_growing_chain_is_the_whole_one_after_every_change() -> None:
 def test_a_measured_turn_takes_away_what_it_tells_and_no_more() -> None:
     """Against the joint estimate of one edge's errors and the calibration, kept as one vector."""
     problem = ring(3, nodes=10, length=10, closures=0).problem
-    edges = EdgeIncrements.of([e.increments for e in problem.odometry]).integrate(Calibration())
+    edges = problem.odometry.increments.integrate(Calibration())
     poses = np.zeros((len(edges.turn) + 1, 3))
     sigma = 0.004
     told = Chain.of(poses, edges, Calibration(), np.zeros((3, 3)), turn_variances=np.full(len(edges.turn), sigma**2))
