@@ -12,7 +12,7 @@ from drives import laps, write_recording
 from topomap.app import recordings
 from topomap.bench.recordings.stability import RecordingTask, moved_settings, thinned, variations, worst
 from topomap.datasets.tuc.recording import read_tuc
-from topomap.datasets.tuc.settings import TucSettings
+from topomap.mapping.drive_engine import AlongSettings
 
 
 @pytest.fixture
@@ -21,7 +21,7 @@ def square(tmp_path: Path) -> Path:
 
 
 def test_every_number_is_moved_by_a_fifth_either_way() -> None:
-    base = TucSettings()
+    base = AlongSettings()
     moved = dict(moved_settings(base))
     assert moved["closure_sigma +20 %"].closure_sigma == pytest.approx(1.2 * base.closure_sigma)
     assert moved["growing.cutoffs -20 %"].growing.cutoffs == pytest.approx([0.8 * c for c in base.growing.cutoffs])

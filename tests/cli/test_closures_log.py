@@ -16,6 +16,7 @@ from sim2d.robot import SimRobot
 from topomap.app.config import load_config
 from topomap.app.wiring import build_navigator
 from topomap.cli.main import main
+from topomap.core.evidence import Evidence
 from topomap.core.geometry import Pose2
 from topomap.core.records import Candidate, Decision, StepRecord, Verdict
 from topomap.recording.encode import run_header
@@ -39,7 +40,9 @@ def claim(record: StepRecord, nodes: list[StepRecord], query: int, match: int) -
     """The candidate that the robot at `record`, the node `query`, stands exactly where `match` was taken."""
     scores = {"cost": 0.1 * (query - match), "ratio": 0.5}
     stamps = record.stamp_ns, nodes[match].stamp_ns
-    return Candidate(stamps[0], match, stamps[1], Pose2(), np.eye(3) * 0.01, 1 - scores["cost"], query, scores)
+    return Candidate(
+        stamps[0], match, stamps[1], Pose2(), np.eye(3) * 0.01, 1 - scores["cost"], query, Evidence.of(scores)
+    )
 
 
 def planted(records: list[StepRecord]) -> tuple[list[StepRecord], tuple[tuple[int, int], ...]]:

@@ -10,7 +10,7 @@ from drives import laps, write_recording
 
 from topomap.core.errors import DataError
 from topomap.core.records import Verdict
-from topomap.datasets.tuc.drive import Drive
+from topomap.datasets.tuc.drive import drive_of
 from topomap.datasets.tuc.mapping import map_tuc
 from topomap.datasets.tuc.recording import read_tuc
 
@@ -56,7 +56,7 @@ def test_truth_by_row_name_and_clock_restart(tmp_path: Path) -> None:
 
 def test_increments_end_at_named_stamps_too(tmp_path: Path) -> None:
     recording = read_tuc(write_recording(tmp_path, HEAD + "odom2 2 0 0 0 0 0 0\nloop 1.25 0.5 1\n"))
-    drive = Drive.of(recording)
+    drive = drive_of(recording)
     assert drive.node_stamps.tolist() == [0, 500_000_000, 1_250_000_000, 2_000_000_000]
     assert drive.way[-1] == pytest.approx(0.8)
 

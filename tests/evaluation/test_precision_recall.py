@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from synthetic_run import LAP, candidate, decide, make_run
 
+from topomap.core.evidence import Evidence
 from topomap.core.geometry import Pose2
 from topomap.core.records import Candidate
 from topomap.core.run_data import RunData
@@ -73,5 +74,5 @@ def run_with(name: str, true: float, false: float | None) -> RunData:
 
 def scored(one: Candidate, name: str, value: float | None) -> Candidate:
     if name == "similarity":
-        return replace(one, similarity=np.nan if value is None else value, scores={})
-    return replace(one, similarity=0.5, scores={} if value is None else {name: value})
+        return replace(one, similarity=np.nan if value is None else value, evidence=Evidence())
+    return replace(one, similarity=0.5, evidence=Evidence() if value is None else Evidence.of({name: value}))

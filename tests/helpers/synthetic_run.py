@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from topomap.core.arrays import FloatArray
+from topomap.core.evidence import Evidence
 from topomap.core.geometry import Pose2, between, compose
 from topomap.core.records import CalibrationState, Candidate, Decision, Estimate, Plan, Verdict
 from topomap.core.run_data import NodeData, RunData, TrueCalibration
@@ -57,7 +58,7 @@ def candidate(run: RunData, query: int, match: int) -> Candidate:
         relative,
         np.diag([0.04, 0.04, 0.001]),
         0.9,
-        scores={"difference": 0.31},
+        evidence=Evidence(difference=0.31),
     )
 
 

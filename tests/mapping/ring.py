@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -102,3 +103,13 @@ def ate(poses: FloatArray, truth: FloatArray) -> float:
     u, _, v = np.linalg.svd(a.T @ b)
     rotation = u @ np.diag([1, np.sign(np.linalg.det(u @ v))]) @ v
     return float(np.sqrt(((a @ rotation - b) ** 2).sum(axis=1).mean()))
+
+
+def edges_of(problem: Problem) -> list[OdometryEdge]:
+    """Return a problem's odometry edges one by one; the stamps aren't kept."""
+    starts, whole = problem.odometry.increments.starts.tolist(), problem.odometry.increments
+    parts = [slice(a, b) for a, b in pairwise(starts)]
+    return [
+        OdometryEdge(i, j, Increments(np.zeros(s.stop - s.start, np.int64), whole.deltas[s], whole.covariances[s]))
+        for i, j, s in zip(problem.odometry.i.tolist(), problem.odometry.j.tolist(), parts, strict=True)
+    ]

@@ -7,7 +7,7 @@ import numpy as np
 from topomap.core.arrays import FloatArray
 from topomap.core.geometry import between
 from topomap.mapping.odometry.increments import Calibration, EdgeIncrements, Increments
-from topomap.mapping.uncertainty.agreement import Claims, company, support
+from topomap.mapping.uncertainty.agreement import Agreeing, company, support
 from topomap.mapping.uncertainty.agreement import SupportSettings as Settings
 from topomap.mapping.uncertainty.odometry_chain import Chain
 
@@ -34,7 +34,7 @@ def test_company_counts_all_and_support_the_agreeing() -> None:
     chain, i, j, relative = two_passes()
     relative = relative.copy()
     relative[0, 0] += 20.0
-    claims = Claims(i, j, relative, np.zeros(len(i), bool), np.ones(len(i)))
+    claims = Agreeing(i, j, relative, np.zeros(len(i), bool), np.ones(len(i)))
     around = company(claims, chain.travelled, 3.0)
     agreed = support(claims, chain.poses, chain.travelled, Settings(window=3.0))
     assert around[0] == 3

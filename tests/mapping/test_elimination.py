@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from ring import ring
+from ring import edges_of, ring
 
 from topomap.core.errors import TopomapError
-from topomap.mapping.optimizer import AxisEdge, Problem, TurnEdge, objective
+from topomap.mapping.optimizer import AxisEdge, OdometryEdges, Problem, TurnEdge, objective
 from topomap.mapping.optimizer.objective import Objective
 
 
@@ -47,7 +47,7 @@ def test_a_chain_without_closures_follows_its_odometry() -> None:
 
 
 def test_a_map_of_one_node_is_determined() -> None:
-    one = Problem(np.zeros((1, 3)), ())
+    one = Problem(np.zeros((1, 3)), OdometryEdges.of(()))
     graph = Objective(one, 3.0)
     poses, _ = graph.system(graph.linearise(graph.start()), np.zeros(0)).solve()
     assert poses.shape == (1, 3)
@@ -55,7 +55,7 @@ def test_a_map_of_one_node_is_determined() -> None:
 
 def test_nodes_off_the_chain_are_undetermined() -> None:
     made = ring(2, nodes=10, length=10, closures=0).problem
-    cut = replace(made, odometry=made.odometry[:5])
+    cut = replace(made, odometry=OdometryEdges.of(edges_of(made)[:5]))
     graph = Objective(cut, 3.0)
     with pytest.raises(TopomapError, match="isn't determined"):
         graph.system(graph.linearise(graph.start()), np.zeros(0)).solve()

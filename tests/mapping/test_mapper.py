@@ -56,7 +56,7 @@ def test_the_first_round_closes_nothing_and_the_second_closes_true(
         assert query > 170
         assert np.hypot(*(truth[query] - truth[match])[:2]) < 1.0
         assert decision.reason
-        assert {"difference", "cost", "ratio", "sigmas"} <= set(decision.candidate.scores)
+        assert {"difference", "cost", "ratio", "sigmas"} <= set(decision.candidate.evidence.measured())
 
 
 def test_the_calibration_is_found(second_round: tuple[Mapper, list[StepRecord], np.ndarray]) -> None:

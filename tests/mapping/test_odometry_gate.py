@@ -8,7 +8,7 @@ import pytest
 from topomap.core.geometry import Pose2
 from topomap.core.records import Candidate
 from topomap.mapping.closures.odometry_gate import OdometryGate
-from topomap.mapping.uncertainty.agreement import Claims, SupportSettings, support
+from topomap.mapping.uncertainty.agreement import Agreeing, SupportSettings, support
 
 
 def candidate(relative: Pose2, heading_variance: float = 0.005) -> Candidate:
@@ -59,7 +59,7 @@ def test_a_run_of_true_closures_supports_itself(reverse: bool, blind: bool) -> N
     j = np.append(j, [33, 24])
     relative = np.zeros((12, 3))
     relative[:, 2] = np.pi if reverse else 0.0
-    claims = Claims(i, j, relative, np.full(12, blind), np.ones(12))
+    claims = Agreeing(i, j, relative, np.full(12, blind), np.ones(12))
     found = support(claims, poses, np.arange(40.0) * 1.0, SupportSettings())
     assert (found[:10] >= 4).all()
     assert found[10:].max() < found[:10].min()

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 from maps import snapshot
-from ring import ring
+from ring import edges_of, ring
 
 from topomap.core.arrays import FloatArray
 from topomap.core.geometry import between
 from topomap.mapping.graph import Node, TopoMap
-from topomap.mapping.odometry.increments import Calibration, EdgeIncrements
+from topomap.mapping.odometry.increments import Calibration
 from topomap.mapping.optimizer import TurnEdge
 from topomap.mapping.uncertainty.incremental_chain import IncrementalChain
-from topomap.mapping.uncertainty.odometry_chain import Chain, carried_to_origin, composed_covariance
+from topomap.mapping.uncertainty.odometry_chain import Chain, carried_to_origin
 from topomap.mapping.uncertainty.path_covariance import best_way, seen_from_all, turned
 
 UNSURE = np.diag([0.05, 0.01, 0.1]) ** 2
@@ -21,13 +21,26 @@ CLOSURE = np.diag([0.1, 0.2, 0.05]) ** 2
 
 def made_chain() -> Chain:
     problem = ring(3, nodes=60, length=60, closures=0).problem
-    edges = EdgeIncrements.of([e.increments for e in problem.odometry]).integrate(Calibration())
+    edges = problem.odometry.increments.integrate(Calibration())
     poses = [np.zeros(3)]
     deltas = edges.deltas(Calibration())
     for delta in deltas:
         c, s = np.cos(poses[-1][2]), np.sin(poses[-1][2])
         poses.append(poses[-1] + [c * delta[0] - s * delta[1], s * delta[0] + c * delta[1], delta[2]])
     return Chain.of(np.array(poses), edges, Calibration(), UNSURE)
+
+
+def rotation(heading: float) -> FloatArray:
+    c, s = np.cos(heading), np.sin(heading)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+
+def composed_covariance(a: FloatArray, a_covariance: FloatArray, b: FloatArray, b_covariance: FloatArray) -> FloatArray:
+    """The covariance (1, 3, 3) of the pose a b (1, 3), each given with the covariance of its own."""
+    turn = rotation(a[0, 2])
+    lever = np.eye(3)
+    lever[:2, 2] = turn[:2, :2] @ b[0, :2] @ np.array([[0.0, 1.0], [-1.0, 0.0]])
+    return np.asarray(lever @ a_covariance[0] @ lever.T + turn @ b_covariance[0] @ turn.T)[None]
 
 
 def through(chain: Chain, i: int, a: int, b: int, j: int, closure: FloatArray) -> FloatArray:
@@ -75,7 +88,7 @@ def test_the_growing_chain_is_the_whole_one_after_every_change() -> None:
     topo, turns = TopoMap(), []
     last = topo.add(Node(0, 0.0, snapshot(0)), None)
     growing = IncrementalChain(topo, turns)
-    for k, edge in enumerate(problem.odometry):
+    for k, edge in enumerate(edges_of(problem)):
         new = topo.add(Node(int(edge.increments.stamps_ns[-1]), 0.0, snapshot(k) if k % 4 else None), edge.increments)
         if k % 4:
             turns.append(TurnEdge(last, new, 0.0, 0.01))
@@ -100,7 +113,7 @@ def test_the_growing_chain_is_the_whole_one_after_every_change() -> None:
 def test_a_measured_turn_takes_away_what_it_tells_and_no_more() -> None:
     """Against the joint estimate of one edge's errors and the calibration, kept as one vector."""
     problem = ring(3, nodes=10, length=10, closures=0).problem
-    edges = EdgeIncrements.of([e.increments for e in problem.odometry]).integrate(Calibration())
+    edges = problem.odometry.increments.integrate(Calibration())
     poses = np.zeros((len(edges.turn) + 1, 3))
     sigma = 0.004
     told = Chain.of(poses, edges, Calibration(), np.zeros((3, 3)), turn_variances=np.full(len(edges.turn), sigma**2))

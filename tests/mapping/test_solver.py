@@ -7,7 +7,7 @@ from dataclasses import replace
 import gtsam
 import numpy as np
 import pytest
-from ring import TRUE, Ring, ate, blinded, ring
+from ring import TRUE, Ring, ate, blinded, edges_of, ring
 
 from topomap.core.errors import TopomapError
 from topomap.core.geometry import Pose2, wrap_all
@@ -16,6 +16,7 @@ from topomap.mapping.optimizer import (
     ClosureEdge,
     Closures,
     OdometryEdge,
+    OdometryEdges,
     Problem,
     Slices,
     Solution,
@@ -176,7 +177,7 @@ def test_no_closures_keep_the_map() -> None:
 
 
 def test_one_node_alone() -> None:
-    solution = solve(Problem(np.zeros((1, 3)), ()))
+    solution = solve(Problem(np.zeros((1, 3)), OdometryEdges.of(())))
     assert not solution.improved
     assert solution.poses.shape == (1, 3)
 
@@ -192,7 +193,7 @@ def parked(k: int = 3) -> Increments:
 
 def test_a_parked_robot_with_no_noise_can_be_solved() -> None:
     claim = ClosureEdge(0, 2, Pose2(0.1, 0, 0), np.diag([0.1, 0.1, 0.1]) ** 2)
-    edges = (OdometryEdge(0, 1, parked()), OdometryEdge(1, 2, Increments.empty()))
+    edges = OdometryEdges.of((OdometryEdge(0, 1, parked()), OdometryEdge(1, 2, Increments.empty())))
     solution = solve(Problem(np.zeros((3, 3)), edges, Closures.of([claim])))
     assert np.abs(solution.poses).max() < 0.1
 
@@ -208,9 +209,9 @@ def test_clear_lines_for_bad_input() -> None:
     with pytest.raises(TopomapError, match="outside 0"):
         replace(good, closures=Closures.of([ClosureEdge(0, 99, Pose2(), np.eye(3))]))
     with pytest.raises(TopomapError, match="breaks between"):
-        replace(good, odometry=(good.odometry[0], good.odometry[4]))
+        replace(good, odometry=OdometryEdges.of([edges_of(good)[0], edges_of(good)[4]]))
     with pytest.raises(TopomapError, match="isn't determined"):
-        solve(Problem(np.zeros((3, 3)), (OdometryEdge(0, 1, parked()),)))
+        solve(Problem(np.zeros((3, 3)), OdometryEdges.of([OdometryEdge(0, 1, parked())])))
 
 
 def test_closures_that_were_out_before_dont_make_a_solve_begin_afresh() -> None:

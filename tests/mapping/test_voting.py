@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from topomap.core.evidence import Evidence
 from topomap.core.geometry import Pose2
 from topomap.core.records import Candidate
 from topomap.mapping.closures.voting import Voting, VotingSettings
@@ -27,7 +28,7 @@ def road(there_and_back: bool) -> TopoMap:
 
 def candidate(query: int, match: int, rotation: float, ratio: float = 0.0) -> Candidate:
     relative = Pose2(0.0, 0.0, rotation)
-    return Candidate(query, match, match, relative, np.eye(3), query=query, scores={"ratio": ratio})
+    return Candidate(query, match, match, relative, np.eye(3), query=query, evidence=Evidence(ratio=ratio))
 
 
 @pytest.mark.parametrize("back", [False, True])
@@ -52,7 +53,7 @@ def test_an_active_check_is_a_further_vote() -> None:
     assert voting.add(first) == ()
     assert voting.add(second) == ()
     voting.drop(first)
-    checked = replace(first, scores={**first.scores, "active": 1.0})
+    checked = replace(first, evidence=replace(first.evidence, active=1.0))
     assert voting.add(checked) == (second, checked)
 
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from ring import ring
+from ring import edges_of, ring
 
 from topomap.core.errors import TopomapError
 from topomap.core.geometry import compose, wrap_all
@@ -14,7 +14,7 @@ from topomap.mapping.optimizer import AxisEdge, Closures, Problem, Recent, TurnE
 
 
 def recent(problem: Problem, edges: int) -> Recent:
-    return solve_recent(problem.poses, problem.odometry[-edges:], problem.closures, problem.turns, problem.calibration)
+    return solve_recent(problem.poses, edges_of(problem)[-edges:], problem.closures, problem.turns, problem.calibration)
 
 
 def test_recent_solve_moves_only_the_newest_nodes() -> None:

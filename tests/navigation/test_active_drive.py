@@ -62,7 +62,7 @@ def test_an_undecided_closure_is_accepted_by_what_homing_saw(
     assert {d.verdict for d in decisions} >= {Verdict.PENDING, Verdict.ACCEPTED}
     accepted = [d for d in decisions if d.verdict is Verdict.ACCEPTED]
     assert any("active check: homing" in d.reason for d in accepted)
-    assert any(d.candidate.scores.get("active") == 1.0 for d in accepted)
+    assert any(d.candidate.evidence.active == 1.0 for d in accepted)
     assert len(navigator.mapper.map.closures) == len(accepted)
 
 

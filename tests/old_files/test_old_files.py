@@ -32,7 +32,7 @@ def test_the_log_is_the_run_that_was_written() -> None:
     run = load_run(LOG)
     assert (run.world, run.seed, run.graph_hash, run.claimed, run.goal_node) == ("room", 3, "cafe", True, 0)
     assert len(run.stamps_ns) == 30
-    assert [decision.candidate.scores["gate"] for decision in run.decisions] == [1.5, 1.5]
+    assert [decision.candidate.evidence.measured()["gate"] for decision in run.decisions] == [1.5, 1.5]
     assert np.allclose(run.final[29], [0.1 * 29 + 0.5, 0.01 * 29**2 + 0.5, 0.02 * 29 + 0.5])
     assert run.truth is not None
 

@@ -18,6 +18,7 @@ from logs.reader import LogReader
 from logs.recorder import Recorder
 from logs.replay import ReplayRobot
 from topomap.core.errors import DataError
+from topomap.core.evidence import Evidence
 from topomap.core.geometry import Pose2
 from topomap.core.records import (
     CalibrationState,
@@ -103,7 +104,7 @@ def _reading(step: int) -> SomeReading:
 def _decision(verdict: Verdict, step: int) -> Decision:
     covariance = np.arange(9.0).reshape(3, 3)
     relative = Pose2(0.1, 0.2, 1 / 7)
-    scores = {"gate": 1.5, "margin": float("inf")}
+    scores = Evidence.of({"gate": 1.5, "margin": float("inf")})
     candidate = Candidate(_stamp(CLOSED_AT), 0, _stamp(0), relative, covariance, 0.9, 1, scores)
     return Decision(_stamp(step), candidate, verdict, "both say so")
 
@@ -237,7 +238,7 @@ def test_map_closures_and_calibration_come_back(path: Path) -> None:
     found, wanted = run.decisions[1], _decision(Verdict.ACCEPTED, 26)
     np.testing.assert_array_equal(found.candidate.covariance, wanted.candidate.covariance)
     same = replace(found.candidate, covariance=wanted.candidate.covariance)
-    assert (same.relative, same.scores) == (wanted.candidate.relative, wanted.candidate.scores)
+    assert (same.relative, same.evidence) == (wanted.candidate.relative, wanted.candidate.evidence)
     assert (found.reason, found.stamp_ns, same.query, same.match_ns) == ("both say so", _stamp(26), 1, EPOCH)
     assert run.calibration == STATE
     assert run.true_calibration == TrueCalibration(1.04, 0.95, None)

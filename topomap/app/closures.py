@@ -114,7 +114,7 @@ def _lines(run: RunData, closure: Closure) -> Iterator[tuple[str, str]]:
     heading = math.degrees(candidate.relative.heading)
     yield "claim", f"query at ({candidate.relative.x:.2f}, {candidate.relative.y:.2f}) m, {heading:.1f} degrees"
     yield "similarity", f"{candidate.similarity:.3f}"
-    for name, value in sorted(candidate.scores.items()):
+    for name, value in candidate.evidence.measured().items():
         yield f"score {name}", f"{value:.4g}"
     for name, value in _limits(run.config):
         yield f"limit {name}", f"{value:g}"

@@ -16,8 +16,8 @@ from topomap.bench.recordings.figure import firmness
 from topomap.bench.recordings.stability import RecordingRow, RecordingTask, Variation, to_csv, to_json
 from topomap.datasets.tuc.mapping import map_tuc as map_recording
 from topomap.datasets.tuc.recording import read_tuc
-from topomap.datasets.tuc.settings import TucSettings
 from topomap.evaluation.summary import write_whole
+from topomap.mapping.drive_engine import AlongSettings
 
 
 def map_tuc(path: Path, out: Path, building_axes: bool = False) -> RunResult:
@@ -27,7 +27,7 @@ def map_tuc(path: Path, out: Path, building_axes: bool = False) -> RunResult:
     """
     recording = read_tuc(path)
     folder = RunFolder.create(out)
-    data = map_recording(recording, TucSettings(building_axes=building_axes), versions())
+    data = map_recording(recording, AlongSettings(building_axes=building_axes), versions())
     result = conclude(data, folder)
     return replace(result, files=(*write_tum(data, out), folder.summary, folder.report))
 

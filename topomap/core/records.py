@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 
 from topomap.core.arrays import FloatArray
+from topomap.core.evidence import Evidence
 from topomap.core.geometry import Pose2
 
 UNKNOWN_HEADING = 1.0
@@ -85,7 +86,7 @@ class Candidate:
 
     match: node id; query: node id once the query has a node, else None; relative: `match_from_query` [m, rad];
     covariance (3, 3) of relative (a heading variance above UNKNOWN_HEADING: unknown); similarity in [0, 1];
-    scores: what each test measured, by name.
+    evidence: what each test measured.
     """
 
     query_ns: int
@@ -95,7 +96,7 @@ class Candidate:
     covariance: FloatArray
     similarity: float = 1.0
     query: int | None = None
-    scores: Mapping[str, float] = field(default_factory=dict)
+    evidence: Evidence = field(default_factory=Evidence)
 
 
 @dataclass(frozen=True, slots=True)

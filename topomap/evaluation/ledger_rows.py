@@ -46,7 +46,7 @@ def _row(run: RunData, closure: Closure) -> LedgerRow:
         truth=_truth(closure.judgement),
         off=_off(closure.judgement),
         similarity=f"{candidate.similarity:.3f}",
-        scores=", ".join(f"{name} {value:.3g}" for name, value in sorted(candidate.scores.items())),
+        scores=", ".join(f"{name} {value:.3g}" for name, value in candidate.evidence.measured().items()),
         reason=closure.reason,
         before=", then ".join(f"{d.verdict}: {d.reason}" for d in closure.decisions[:-1]),
     )

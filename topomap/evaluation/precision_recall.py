@@ -70,7 +70,10 @@ def evaluate(run: RunData) -> Evaluation | None:
         return None
     true = np.array([c.judgement is not None and not c.judgement.false for c in known])
     kept = np.array([c.verdict is Verdict.ACCEPTED for c in known])
-    names = ["similarity", *sorted({name for c in known for name in c.candidate.scores} & HIGH_IS_GOOD.keys())]
+    names = [
+        "similarity",
+        *sorted({name for c in known for name in c.candidate.evidence.measured()} & HIGH_IS_GOOD.keys()),
+    ]
     curves = tuple(curve(name, _values(known, name), true) for name in names) if true.any() else ()
     counts = (int((true & kept).sum()), int((~true & kept).sum()))
     return Evaluation(len(known), int(true.sum()), *counts, curves)
@@ -79,7 +82,9 @@ def evaluate(run: RunData) -> Evaluation | None:
 def _values(known: Sequence[Closure], name: str) -> FloatArray:
     """Return the candidates' scores, high for good; one that wasn't measured is the worst."""
     sign = 1.0 if HIGH_IS_GOOD[name] else -1.0
-    found = [c.candidate.similarity if name == "similarity" else c.candidate.scores.get(name) for c in known]
+    found = [
+        c.candidate.similarity if name == "similarity" else c.candidate.evidence.measured().get(name) for c in known
+    ]
     return np.array([-math.inf if v is None or math.isnan(v) else sign * v for v in found])
 
 

@@ -81,7 +81,7 @@ class Optimisation:
     def believe(self, edge: ClosureEdge, candidate: Candidate) -> None:
         """Put an accepted closure before the back end, from the next solve on."""
         self._closures.append((edge, candidate))
-        self._surprise = max(self._surprise, candidate.scores["sigmas"])
+        self._surprise = max(self._surprise, candidate.evidence.sigmas or 0.0)
 
     def solve(self, stamp_ns: int, ledger: Ledger) -> tuple[bool, list[Decision]]:
         """Solve the whole map now; return whether it was moved and which verdicts changed."""

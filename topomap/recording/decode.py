@@ -6,6 +6,7 @@ import numpy as np
 
 from logs import header as head
 from logs import records as log
+from topomap.core.evidence import Evidence
 from topomap.core.geometry import Pose2
 from topomap.core.records import CalibrationState, Candidate, Decision, Estimate, Plan, Verdict
 from topomap.core.run_data import TrueCalibration
@@ -26,7 +27,7 @@ def decision(stored: log.Closure) -> Decision:
         covariance=np.array(stored.covariance, dtype=np.float64).reshape(3, 3),
         similarity=stored.similarity,
         query=stored.query,
-        scores={score.name: score.value for score in stored.scores},
+        evidence=Evidence.of({score.name: score.value for score in stored.scores}),
     )
     return Decision(stored.stamp_ns, candidate, Verdict(stored.verdict), stored.reason)
 

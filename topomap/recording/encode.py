@@ -138,7 +138,7 @@ def closure(decision: Decision) -> log.Closure:
         relative=pose(candidate.relative),
         covariance=row(candidate.covariance),
         similarity=float(candidate.similarity),
-        scores=scores(candidate.scores),
+        scores=scores(candidate.evidence.measured()),
     )
 
 

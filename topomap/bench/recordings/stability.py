@@ -13,10 +13,10 @@ import numpy as np
 
 from topomap.datasets.tuc.mapping import map_tuc
 from topomap.datasets.tuc.recording import TucRecording, read_tuc
-from topomap.datasets.tuc.settings import TucSettings
 from topomap.evaluation.closures import count
 from topomap.evaluation.rows import rows_csv
 from topomap.evaluation.trajectory import ate
+from topomap.mapping.drive_engine import AlongSettings
 
 BY = 0.2  # a setting is moved by this share, either way
 CURVATURES = (-0.005, 0.005)  # [rad/m] by which the starting curvature is off
@@ -30,7 +30,7 @@ class Variation:
 
     group: str
     name: str
-    settings: TucSettings
+    settings: AlongSettings
     draw: int | None = None
 
 
@@ -94,7 +94,7 @@ def thinned(recording: TucRecording, share: float, rng: np.random.Generator) -> 
 
 def variations() -> list[Variation]:
     """Return the recording as it is, every number among the settings moved by 20 %, and what else is in question."""
-    base = TucSettings()
+    base = AlongSettings()
     moved = [Variation("settings", name, changed) for name, changed in moved_settings(base)]
     curved = [
         Variation("start", f"curvature {k:+g}", base.model_copy(update={"start_curvature": k})) for k in CURVATURES
@@ -104,7 +104,7 @@ def variations() -> list[Variation]:
     return [Variation("as it is", "", base), *curved, *drawn, *moved, axes]
 
 
-def moved_settings(base: TucSettings) -> Iterator[tuple[str, TucSettings]]:
+def moved_settings(base: AlongSettings) -> Iterator[tuple[str, AlongSettings]]:
     """Yield every number among the settings moved by 20 % down and up, and all of them at once."""
     names = [name for name in _numbers(base.model_dump()) if name not in UNMOVED]
     for up in (False, True):
@@ -113,7 +113,7 @@ def moved_settings(base: TucSettings) -> Iterator[tuple[str, TucSettings]]:
             for name in chosen:
                 _move(plain, name, up)
             label = chosen[0] if len(chosen) == 1 else "all at once"
-            yield f"{label} {'+' if up else '-'}20 %", TucSettings.model_validate(plain)
+            yield f"{label} {'+' if up else '-'}20 %", AlongSettings.model_validate(plain)
 
 
 def _numbers(plain: dict[str, Any], path: str = "") -> Iterator[str]:

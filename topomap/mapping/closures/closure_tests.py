@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
+import numpy as np
+from scipy.special import chdtri
+
 from topomap.core.arrays import FloatArray, IntArray
 from topomap.mapping.closures.claims import Claims
 from topomap.mapping.closures.odds import log_chance, log_crowding, log_density, mahalanobis
@@ -16,24 +19,33 @@ class Knowledge:
 
     poses (N, 3); errors (n, 3, 3): of the map between the claims' places, about the origin; size (n,): how many
     neighbouring claims each agrees with, itself included; prevalence (n,): log of how many such claims are true for one
-    that is false.
+    that is false; support (n,): what agrees with each over what is needed, 1 where nothing is.
     """
 
     poses: FloatArray
     errors: FloatArray
     size: IntArray
     prevalence: FloatArray
+    support: FloatArray
+
+    @staticmethod
+    def of_one(poses: FloatArray, errors: FloatArray) -> Knowledge:
+        """Return what is known of a single claim that stands alone: the map's errors (3, 3) between its places."""
+        return Knowledge(poses, errors[None], np.ones(1, np.int64), np.zeros(1), np.ones(1))
 
     def among(self, part: IntArray) -> Knowledge:
         """Return what is known of some (n,) of the claims."""
-        return Knowledge(self.poses, self.errors[part], self.size[part], self.prevalence[part])
+        return Knowledge(self.poses, self.errors[part], self.size[part], self.prevalence[part], self.support[part])
 
 
 class ClosureTest(Protocol):
-    """A stage of the engine. Tests are asked in order; those behind are asked only of claims that are still likely."""
+    """A stage of the engine. Tests are asked in order; one that lowers isn't followed for claims it leaves unlikely."""
 
     @property
     def name(self) -> str: ...
+    @property
+    def lowers(self) -> bool:
+        """Whether this test and all behind it can only speak against a claim."""
 
     def weigh(self, claims: Claims, knowledge: Knowledge) -> FloatArray:
         """Return (n,) log likelihood ratios of n claims; minus infinity refuses."""
@@ -44,6 +56,7 @@ class Looks:
     """What the source of the claims saw."""
 
     name: str = "looks"
+    lowers: bool = False
 
     def weigh(self, claims: Claims, knowledge: Knowledge) -> FloatArray:
         """Return the claims' own log likelihood ratios (n,)."""
@@ -55,6 +68,7 @@ class Prevalence:
     """How often such claims, alone or in clusters of that size, are true in these data."""
 
     name: str = "prevalence"
+    lowers: bool = False
 
     def weigh(self, claims: Claims, knowledge: Knowledge) -> FloatArray:
         """Return the log prior odds (n,)."""
@@ -66,6 +80,7 @@ class Odometry:
     """How well the map, by odometry and the closures that stand, agrees, against a claim of any two places."""
 
     name: str = "odometry"
+    lowers: bool = True
 
     def weigh(self, claims: Claims, knowledge: Knowledge) -> FloatArray:
         """Return the log density of each claim (n,) by the map over that of any claim."""
@@ -79,10 +94,37 @@ class Crowding:
     """How many other places stand as the claim says: where places lie on a lattice, false claims fit more often."""
 
     name: str = "crowding"
+    lowers: bool = True
 
     def weigh(self, claims: Claims, knowledge: Knowledge) -> FloatArray:
         """Return what is to be taken off (n,)."""
         return -log_crowding(claims, knowledge.poses, knowledge.errors)
+
+
+@dataclass(frozen=True, slots=True)
+class Supported:
+    """Refuses a claim that too few of its neighbours agree with."""
+
+    name: str = "support"
+    lowers: bool = True
+
+    def weigh(self, claims: Claims, knowledge: Knowledge) -> FloatArray:
+        """Return 0 or minus infinity (n,)."""
+        return np.where(knowledge.support >= 1.0, 0.0, -np.inf)
+
+
+@dataclass(frozen=True, slots=True)
+class Gate:
+    """Refuses a claim that odometry can't explain; probability: share of true ones that pass."""
+
+    probability: float
+    name: str = "gate"
+    lowers: bool = True
+
+    def weigh(self, claims: Claims, knowledge: Knowledge) -> FloatArray:
+        """Return 0 or minus infinity (n,)."""
+        chi2, _ = mahalanobis(claims, knowledge.poses, knowledge.errors)
+        return np.where(chi2 <= chdtri(np.where(claims.blind, 2, 3), 1 - self.probability), 0.0, -np.inf)
 
 
 TESTS: tuple[ClosureTest, ...] = (Looks(), Prevalence(), Odometry(), Crowding())

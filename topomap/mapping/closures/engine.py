@@ -1,198 +1,54 @@
-"""The closure engine: claims in, verdicts out. Weigh what is claimed, solve with what is likely, test what stands."""
+"""The closure engine: claims in, verdicts with evidence out, by a list of tests that can be read, replaced, extended.
+
+Whoever brings claims, they are weighed here and the verdicts are written down here: a pose graph's all at once
+(`batch`), a recording's as its drive goes on (`along_drive`), a robot's own one a step (`online`).
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
-from scipy.special import expit
 
-from topomap.core.arrays import BoolArray, FloatArray, IntArray
+from topomap.core.arrays import FloatArray, IntArray
+from topomap.core.records import Candidate, Decision, Verdict
 from topomap.mapping.closures.claims import Claims
 from topomap.mapping.closures.closure_tests import TESTS, ClosureTest, Knowledge
-from topomap.mapping.closures.clusters import Clusters, clusters_of
-from topomap.mapping.closures.drive import Drive, MapState
-from topomap.mapping.closures.odds import mahalanobis
-from topomap.mapping.closures.prevalence import GATE, allowed_by_chance, log_prevalence
-from topomap.mapping.closures.strain import strained
-from topomap.mapping.optimizer import OptimizerSettings
-from topomap.mapping.uncertainty.network import PathNetwork
-
-LIKELY = float(np.log(1000.0))  # log odds from which a claim may bend the growing map: one in 1,000 is false
-FALSE = 3e-4  # share of false ones that the finished map's closures may hold by their odds
-UNLIKELY = float(np.log(20.0))  # log odds below which none is taken whatever the others are
-FEW = 500  # claims whose best paths are found at once; of more, only those that a quick upper bound leaves
-TRIES = 3  # times a cluster that didn't fit the solve is taken up again
-ROUNDS = 60  # of admitting and solving at most: each brings new clusters, or it ends
-SETTLINGS = 6  # of the finished map at most: solve, take out what strains it, solve
-SETTLED = 1e-3  # share of new closures with which the finished map is no longer solved anew
-# new closures may pull the map far: begin with cutoffs that let all of them pull
-GROWING = OptimizerSettings(cutoffs=(1e3, 10.0), iterations=2, tolerance=0.02)
-# 6 sigmas: the noise's scale is that of 99 % of the closures, and real ones have heavy tails
-CLOSING = OptimizerSettings(cutoffs=(20.0, 6.0), cutoff=6.0, iterations=10, tolerance=0.001)
-
-Told = Callable[[float, str], None]
+from topomap.mapping.closures.ledger import Ledger, key_of
 
 
-def quiet(_share: float, _doing: str) -> None:
-    """Tell nobody how far the work is."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Judgement:
-    """What became of M claims: the map, which are inliers (M,), their log odds (M,) and why, in plain words (M,).
-
-    kept: which of several solutions the map is, and why.
+class Weighed(NamedTuple):
+    """What the tests say of n claims: log_odds (n,) of true over false, -inf where one refused; failed (n,): which test
+    brought a claim below the bar, -1 for none.
     """
 
-    state: MapState
-    inlier: BoolArray
     log_odds: FloatArray
-    reason: tuple[str, ...]
-    kept: str
+    failed: IntArray
 
 
 class ClosureEngine:
-    """Judges all claims about a drive.
+    """Weighs claims by one test after the other and keeps the book of verdicts."""
 
-    Claims of neighbouring places that agree are one piece of evidence, a cluster. Those that odometry can't explain are
-    refused, and tell how often such claims are true. Round by round the likely ones are let in and the map is solved;
-    so it knows its places better and can tell more of the others. At the end every claim is weighed by the finished
-    map, and what strains it is taken out, weighed once more without itself, and stays out if it isn't likely then.
-    """
+    def __init__(self, tests: Sequence[ClosureTest] = TESTS, ledger: Ledger | None = None) -> None:
+        self.tests = tuple(tests)
+        self.ledger = ledger or Ledger()
 
-    def __init__(self, drive: Drive, claims: Claims, tests: Sequence[ClosureTest] = TESTS, told: Told = quiet) -> None:
-        """Take a drive and claims in order of i, then of j; told: hears the share done and what is being done."""
-        self._drive, self._claims, self._tests, self._told = drive, claims, tuple(tests), told
-        self._map = drive.start()
-        chain = drive.chain(self._map)
-        self._clusters: Clusters = clusters_of(claims, chain)
-        self._odds = np.full(len(claims), -np.inf)
-        self._why = np.full(len(claims), "", object)
-        self._standing = np.zeros(0, np.int64)
-        self._tries = np.zeros(len(self._clusters), np.int64)
-        self._sift(PathNetwork.of_chain(chain))
+    def weigh(self, claims: Claims, knowledge: Knowledge, bar: float) -> Weighed:
+        """Return the log odds of n claims; a test that can only lower them isn't asked about those below the bar."""
+        odds, failed = np.zeros(len(claims)), np.full(len(claims), -1)
+        for k, test in enumerate(self.tests):
+            left = np.flatnonzero(failed < 0)
+            odds[left] += test.weigh(claims[left], knowledge.among(left))
+            below = odds[left] < (bar if test.lowers else -np.inf)
+            failed[left[below | np.isneginf(odds[left])]] = k
+        failed[(failed < 0) & (odds < bar)] = len(self.tests) - 1
+        return Weighed(odds, failed)
 
-    def run(self) -> Judgement:
-        """Return the verdicts on all claims."""
-        for round_ in range(ROUNDS):
-            self._told(0.1 + 0.6 * round_ / (round_ + 5.0), f"{len(self._standing)} closures")
-            new = self._likely(self._open())
-            if not len(new):
-                break
-            self._admit(new)
-        inlier = self._settle()
-        self._told(1.0, f"{int(inlier.sum())} closures")
-        kept = (
-            f"{int(inlier.sum())} of {len(inlier)} closures are likely"
-            if inlier.any()
-            else "odometry: nothing is likely"
-        )
-        return Judgement(self._map, inlier, self._odds, self._reasons(inlier), kept)
+    def decide(self, stamp_ns: int, candidate: Candidate, verdict: Verdict, reason: str) -> Decision:
+        """Write a verdict into the ledger, with the reason in plain words, and return it."""
+        return self.ledger.decide(stamp_ns, candidate, verdict, reason)
 
-    def _sift(self, odometry: PathNetwork) -> None:
-        """Refuse the clusters that odometry can't explain, and learn from them how often claims are true."""
-        own = self._claims[self._clusters.representatives]
-        chi2, _ = mahalanobis(own, self._map.poses, odometry.errors(own.i, own.j))
-        self._allowed = np.zeros(len(self._clusters), bool)
-        self._allowed[self._clusters.label[self._clusters.representatives[chi2 <= GATE]]] = True
-        by_chance = allowed_by_chance(own, self._map.poses, odometry)
-        self._prevalence = log_prevalence(self._clusters.size, self._allowed, by_chance)
-
-    def _open(self) -> IntArray:
-        """Return the representatives of clusters that aren't decided yet."""
-        label = self._clusters.label
-        decided = ~self._allowed | (self._tries >= TRIES)
-        decided[label[self._standing]] = True
-        some = self._clusters.representatives
-        return np.asarray(some[~decided[label[some]]])
-
-    def _network(self) -> PathNetwork:
-        own = self._claims[self._standing]
-        chain = self._drive.chain(self._map)
-        return PathNetwork(chain, own.i, own.j, own.covariance, self._clusters.label[self._standing])
-
-    def _likely(self, which: IntArray) -> IntArray:
-        """Return those of some claims that the map, as it stands without them, makes likely."""
-        network = self._network()
-        own = self._claims[which]
-        near = which
-        if len(which) > FEW:
-            chi2, _ = mahalanobis(own, self._map.poses, network.upper_bounds(own.i, own.j))
-            near = which[chi2 <= GATE]
-            self._odds[which[chi2 > GATE]] = -np.inf
-            own = self._claims[near]
-        self._weigh(near, network.errors(own.i, own.j), LIKELY)
-        return np.asarray(near[self._odds[near] >= LIKELY])
-
-    def _weigh(self, which: IntArray, errors: FloatArray, bar: float) -> None:
-        """Set the log odds of some claims by one test after the other; below the bar the last ones aren't asked."""
-        label = self._clusters.label[which]
-        knowledge = Knowledge(self._map.poses, errors, self._clusters.size[label], self._prior()[label])
-        odds, left = np.zeros(len(which)), np.arange(len(which))
-        for test in self._tests:
-            odds[left] += test.weigh(self._claims[which[left]], knowledge.among(left))
-            if test is not self._tests[0] and test is not self._tests[1]:
-                left = left[odds[left] >= bar]
-        self._odds[which] = odds
-
-    def _prior(self) -> FloatArray:
-        """Return (K,) log prior odds: who agrees with a cluster that stands is as likely as it is."""
-        prior = self._prevalence.copy()
-        stand = np.unique(self._clusters.label[self._standing])
-        prior[stand] = np.maximum(prior[stand], LIKELY)
-        return prior
-
-    def _admit(self, new: IntArray) -> None:
-        """Solve with new closures; those that don't fit beside the others stay out."""
-        label = self._clusters.label
-        chosen = np.zeros(len(self._clusters), bool)
-        chosen[label[new]] = chosen[label[self._standing]] = True
-        some = self._clusters.representatives
-        self._solve(some[chosen[label[some]]], GROWING)
-        chosen[label[self._standing]] = False
-        self._tries[chosen] += 1
-
-    def _solve(self, which: IntArray, settings: OptimizerSettings) -> None:
-        self._map, solution = self._drive.solve(self._map, self._claims[which], settings)
-        self._standing = which[solution.closure_weights > 0]
-
-    def _settle(self) -> BoolArray:
-        """Weigh every claim by the map and solve with the likely ones until nothing strains it; return these (M,)."""
-        if not len(self._standing):
-            return np.zeros(len(self._claims), bool)
-        suspected = np.zeros(len(self._clusters), bool)
-        for turn in range(SETTLINGS):
-            self._told(0.7 + 0.3 * turn / SETTLINGS, f"{len(self._standing)} closures, settling")
-            before = len(self._standing)
-            self._solve(self._likely_of_all(), CLOSING)
-            tense = strained(self._map.poses, self._claims, self._clusters.label, self._standing) & ~suspected
-            if turn == SETTLINGS - 1 or (not tense.any() and len(self._standing) <= before * (1 + SETTLED)):
-                break
-            if tense.any():
-                suspected |= tense
-                self._solve(self._standing[~tense[self._clusters.label[self._standing]]], CLOSING)
-        return np.asarray(np.isin(np.arange(len(self._claims)), self._standing))
-
-    def _likely_of_all(self) -> IntArray:
-        """Return all claims that the map makes likely, those of standing clusters by what it knows of one another."""
-        network, label = self._network(), self._clusters.label
-        some = self._claims
-        errors = network.upper_bounds(some.i, some.j)
-        chi2, _ = mahalanobis(some, self._map.poses, errors)
-        near = np.flatnonzero((chi2 <= 2 * GATE) & self._allowed[label])
-        own = some[near]
-        self._odds[:] = -np.inf
-        self._weigh(near, network.errors(own.i, own.j), UNLIKELY)
-        best = near[np.argsort(-self._odds[near], kind="stable")]
-        best = best[self._odds[best] >= UNLIKELY]
-        false = np.cumsum(expit(-self._odds[best])) / np.arange(1, len(best) + 1)
-        return np.sort(best[(false <= FALSE) | (self._odds[best] >= LIKELY)])
-
-    def _reasons(self, inlier: BoolArray) -> tuple[str, ...]:
-        """Return why each claim is in or out."""
-        allowed = self._allowed[self._clusters.label]
-        words = np.where(inlier, "fits the map with all other closures", "the map makes it unlikely")
-        words = np.where(~inlier & (self._odds >= LIKELY), "likely, but the map can't fit it beside the others", words)
-        return tuple(np.where(allowed, words, "odometry contradicts it").tolist())
+    def verdict(self, candidate: Candidate) -> Verdict | None:
+        """Return what was last decided on a candidate."""
+        return self.ledger.verdict(key_of(candidate))

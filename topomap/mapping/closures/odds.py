@@ -76,7 +76,7 @@ def log_crowding(claims: Claims, poses: FloatArray, errors: FloatArray) -> Float
     args = (claims.i, claims.j, claims.relative, claims.covariance, claims.blind)
     density = _density(*args, np.ascontiguousarray(poses), errors, stand)
     even = log_chance(poses, claims.blind)
-    return np.maximum(0.0, np.log(np.maximum(density, 1e-300)) - even)
+    return np.asarray(np.maximum(0.0, np.log(np.maximum(density, 1e-300)) - even))
 
 
 @njit(cache=True)

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
 from pydantic import BaseModel, Field
 
 from topomap.core.arrays import IntArray
+from topomap.core.evidence import Evidence
 from topomap.core.geometry import Pose2
 from topomap.core.records import Candidate, Decision, Verdict
 from topomap.mapping.closures.appearance import AppearanceSettings, AppearanceTest, Outcome
-from topomap.mapping.closures.ledger import Ledger, key_of
+from topomap.mapping.closures.claims import Claims
+from topomap.mapping.closures.closure_tests import ClosureTest, Gate, Knowledge, Odometry
+from topomap.mapping.closures.engine import ClosureEngine
+from topomap.mapping.closures.ledger import Ledger
 from topomap.mapping.closures.odometry_gate import GateSettings, OdometryGate
 from topomap.mapping.closures.relative_pose import RelativePoseEstimator, RelativePoseSettings
 from topomap.mapping.closures.same_place import SamePlaceSettings, SamePlaceTest
@@ -49,12 +55,15 @@ class Closing:
         view_cache: ViewCache,
         ledger: Ledger,
         optimisation: Optimisation,
+        tests: Sequence[ClosureTest] = (),
     ) -> None:
+        """tests: a user's own, asked before odometry."""
         self._s = settings
         self._track, self._map, self._view_cache = track, track.map, view_cache
-        self._ledger, self._optimisation = ledger, optimisation
+        self._optimisation = optimisation
         self._appearance = AppearanceTest(settings.appearance, aligner)
         self._gate = OdometryGate(settings.gate)
+        self._engine = ClosureEngine((*tests, Odometry(), Gate(settings.gate.probability)), ledger)
         self._offset = RelativePoseEstimator(settings.offset)
         self._same_place = SamePlaceTest(settings.same_place)
         self._voting = Voting(settings.voting, track.map)
@@ -73,7 +82,7 @@ class Closing:
         """Return the verdicts of this step, on a proposal and on what waited for it; all are kept in the ledger."""
         late = self._voting.expired(self._track.travel)
         reason = "no other closure agreed in time, and odometry leaves several places open"
-        decisions = [self._ledger.decide(stamp_ns, c, Verdict.REFUSED, reason) for c in late]
+        decisions = [self._engine.decide(stamp_ns, c, Verdict.REFUSED, reason) for c in late]
         for testimony in self._testimonies:
             decisions += self._hear(stamp_ns, *testimony)
         self._testimonies.clear()
@@ -83,12 +92,12 @@ class Closing:
 
     def _hear(self, stamp_ns: int, candidate: Candidate, agrees: bool, reason: str) -> list[Decision]:
         """Refuse a candidate that still waits, or let it vote once more."""
-        if self._ledger.verdict(key_of(candidate)) is not Verdict.PENDING:
+        if self._engine.verdict(candidate) is not Verdict.PENDING:
             return []
         self._voting.drop(candidate)
         if not agrees:
-            return [self._ledger.decide(stamp_ns, candidate, Verdict.REFUSED, reason)]
-        return self._vote(stamp_ns, replace(candidate, scores={**candidate.scores, "active": 1.0}), f"; {reason}")
+            return [self._engine.decide(stamp_ns, candidate, Verdict.REFUSED, reason)]
+        return self._vote(stamp_ns, _with(candidate, active=1.0), f"; {reason}")
 
     def _by_sight(self, stamp_ns: int, proposal: Proposal) -> list[Decision]:
         """Compare the likeliest places in detail; a clear winner goes on to the odometry's test.
@@ -110,14 +119,13 @@ class Closing:
             objection = f"the view is as unlike it as other places are ({match.difference:.2f} > {proposal.limit:.2f})"
         if objection:
             candidate = self._candidate(proposal, outcome, Pose2(0.0, 0.0, outcome.winner.alignment.rotation))
-            return [self._ledger.decide(stamp_ns, candidate, Verdict.REFUSED, objection)]
+            return [self._engine.decide(stamp_ns, candidate, Verdict.REFUSED, objection)]
         place = self._view_cache.panorama(match.node)
         offset = self._offset.measure(outcome.winner, place, proposal.moment.panorama)
         candidate = self._candidate(proposal, outcome, offset.relative)
-        scores = {**candidate.scores, "share": offset.share}
-        candidate = replace(candidate, covariance=offset.covariance, scores=scores)
-        if unlike := self._same_place.objection(candidate.scores["cost"], offset):
-            return [self._ledger.decide(stamp_ns, candidate, Verdict.REFUSED, unlike)]
+        candidate = _with(replace(candidate, covariance=offset.covariance), share=offset.share)
+        if unlike := self._same_place.objection(outcome.winner.alignment.residual, offset):
+            return [self._engine.decide(stamp_ns, candidate, Verdict.REFUSED, unlike)]
         return self._by_odometry(stamp_ns, candidate, open_places)
 
     def _candidate(self, proposal: Proposal, outcome: Outcome, relative: Pose2) -> Candidate:
@@ -130,22 +138,23 @@ class Closing:
             relative,
             self._offset.same_spot,
             max(0.0, 1.0 - cost),
-            scores={
-                "difference": winner.match.difference,
-                "limit": proposal.limit,
-                "cost": cost,
-                "ratio": outcome.ratio,
-            },
+            evidence=Evidence(winner.match.difference, proposal.limit, cost, outcome.ratio),
         )
 
     def _by_odometry(self, stamp_ns: int, candidate: Candidate, open_places: bool) -> list[Decision]:
         """Hold a candidate that was believed by sight against the way between the two nodes."""
         query = self._track.node_at(candidate.query_ns)
         expected = self._map.pose(candidate.match).to(self._map.pose(query))
+        claim = Claims.of_one(candidate.match, query, candidate.relative, candidate.covariance)
+        errors = self._reachability.errors(candidate.match, query)
+        weighed = self._engine.weigh(claim, Knowledge.of_one(self._map.poses, errors), -np.inf)
         finding = self._gate.judge(candidate, expected, self._reachability.covariance(candidate.match, query))
-        candidate = replace(candidate, query=query, scores={**candidate.scores, "sigmas": finding.score})
-        if not finding.passed:
-            return [self._ledger.decide(stamp_ns, candidate, Verdict.REFUSED, finding.reason)]
+        odds = float(weighed.log_odds[0]) if np.isfinite(weighed.log_odds[0]) else None
+        candidate = _with(replace(candidate, query=query), sigmas=finding.score, odds=odds)
+        if weighed.failed[0] >= 0:
+            test = self._engine.tests[int(weighed.failed[0])].name
+            reason = finding.reason if not finding.passed else f"the test '{test}' speaks against it"
+            return [self._engine.decide(stamp_ns, candidate, Verdict.REFUSED, reason)]
         if not open_places:
             return [self._accept(stamp_ns, candidate, finding.reason)]
         return self._vote(stamp_ns, candidate)
@@ -155,8 +164,8 @@ class Closing:
         agreeing = self._voting.add(candidate)
         if not agreeing:
             reason = f"odometry leaves several places open: waits for others that agree{more}"
-            return [self._ledger.decide(stamp_ns, candidate, Verdict.PENDING, reason)]
-        checked = ", and an active check" if any("active" in c.scores for c in agreeing) else ""
+            return [self._engine.decide(stamp_ns, candidate, Verdict.PENDING, reason)]
+        checked = ", and an active check" if any(c.evidence.active for c in agreeing) else ""
         return [self._accept(stamp_ns, c, f"{len(agreeing)} closures agree{checked}{more}") for c in agreeing]
 
     def _accept(self, stamp_ns: int, candidate: Candidate, reason: str) -> Decision:
@@ -164,5 +173,27 @@ class Closing:
         edge = ClosureEdge(candidate.match, candidate.query, candidate.relative, candidate.covariance)
         self._map.close(edge)
         self._optimisation.believe(edge, candidate)
-        seen = f"one place is alike (cost {candidate.scores['cost']:.2f}, ratio {candidate.scores['ratio']:.2f})"
-        return self._ledger.decide(stamp_ns, candidate, Verdict.ACCEPTED, f"{seen}; {reason}")
+        cost, ratio = candidate.evidence.cost or 0.0, candidate.evidence.ratio or 0.0
+        seen = f"one place is alike (cost {cost:.2f}, ratio {ratio:.2f})"
+        return self._engine.decide(stamp_ns, candidate, Verdict.ACCEPTED, f"{seen}; {reason}")
+
+
+def _with(
+    candidate: Candidate,
+    active: float | None = None,
+    share: float | None = None,
+    sigmas: float | None = None,
+    odds: float | None = None,
+) -> Candidate:
+    """Return a candidate with what a test measured added to its evidence."""
+    old = candidate.evidence
+    return replace(
+        candidate,
+        evidence=replace(
+            old,
+            active=old.active if active is None else active,
+            share=old.share if share is None else share,
+            sigmas=old.sigmas if sigmas is None else sigmas,
+            odds=old.odds if odds is None else odds,
+        ),
+    )

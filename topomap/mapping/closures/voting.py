@@ -54,8 +54,8 @@ class Voting:
 
     def _weight(self, candidate: Candidate) -> float:
         """Return how much of a vote a candidate is, in [0, 1], and one more if an active check speaks for it."""
-        clear = min(1.0, (1.0 - candidate.scores.get("ratio", 0.0)) / (1.0 - self._s.clear))
-        return clear + candidate.scores.get("active", 0.0)
+        clear = min(1.0, (1.0 - (candidate.evidence.ratio or 0.0)) / (1.0 - self._s.clear))
+        return clear + (candidate.evidence.active or 0.0)
 
     def _agree(self, a: Candidate, b: Candidate) -> bool:
         """Whether b lies where a and the odometry between them say."""

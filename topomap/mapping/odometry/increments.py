@@ -159,6 +159,11 @@ class EdgeIncrements:
         starts = np.concatenate([[0], np.cumsum([len(e) for e in edges], dtype=np.int64)]).astype(np.int64)
         return EdgeIncrements(np.ascontiguousarray(joined.deltas), np.ascontiguousarray(joined.covariances), starts)
 
+    def first(self, count: int) -> EdgeIncrements:
+        """Return the first edges, as many as count."""
+        last = self.starts[count]
+        return EdgeIncrements(self.deltas[:last], self.covariances[:last], self.starts[: count + 1])
+
     def integrate(self, calibration: Calibration) -> Preintegrated:
         """Integrate every edge with the calibration."""
         bend = calibration.curvature / calibration.distance_scale

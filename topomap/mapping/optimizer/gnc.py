@@ -12,7 +12,7 @@ from topomap.mapping.optimizer.objective import Objective, geman_mcclure
 from topomap.mapping.optimizer.problem import UNKNOWN_HEADING
 from topomap.mapping.optimizer.residuals import closure_chi2
 from topomap.mapping.optimizer.settings import OptimizerSettings
-from topomap.mapping.uncertainty.agreement import Claims, support
+from topomap.mapping.uncertainty.agreement import Agreeing, support
 
 Weighing = Iterable[Callable[[FloatArray], FloatArray]]
 SUPPORTED_STEPS = 3  # Gauss-Newton steps with the supported closures alone
@@ -56,7 +56,7 @@ class Schedule:
         """Return the support that some closures (M,) give one another, in their order."""
         blind = self._closures.covariance[:, 2, 2] > UNKNOWN_HEADING
         some = self._closures[among]
-        claims = Claims(self._i[among], self._j[among], some.relative, blind[among], some.weight)
+        claims = Agreeing(self._i[among], self._j[among], some.relative, blind[among], some.weight)
         return support(claims, self._chain.poses, self._chain.travelled, self._settings.support)
 
     def _stage(self, stage: int) -> Callable[[FloatArray], FloatArray]:

@@ -23,7 +23,7 @@ class SupportSettings(BaseModel):
     heading_deg: float = Field(default=15.0, gt=0, description="allowed disagreement in heading [degree]")
 
 
-class Claims(NamedTuple):
+class Agreeing(NamedTuple):
     """M closures as arrays.
 
     i, j (M,): positions in the chain; relative (M, 3): `i_from_j`; blind (M,): the heading isn't known; weight (M,).
@@ -36,7 +36,7 @@ class Claims(NamedTuple):
     weight: FloatArray
 
 
-def support(claims: Claims, poses: FloatArray, travelled: FloatArray, settings: SupportSettings) -> FloatArray:
+def support(claims: Agreeing, poses: FloatArray, travelled: FloatArray, settings: SupportSettings) -> FloatArray:
     """Return (M,) the summed weights of the other closures that agree with each.
 
     poses (N, 3): odometry's, in chain order (only near pairs are compared, drift doesn't matter); travelled (N,):
@@ -52,7 +52,7 @@ def support(claims: Claims, poses: FloatArray, travelled: FloatArray, settings: 
     return total
 
 
-def company(claims: Claims, travelled: FloatArray, window: float) -> FloatArray:
+def company(claims: Agreeing, travelled: FloatArray, window: float) -> FloatArray:
     """Return (M,) the summed weights of all closures near each, whether they agree or not: how dense they are."""
     a, b = neighbours(claims, travelled, window)
     total = np.zeros(len(claims.i))
@@ -61,7 +61,7 @@ def company(claims: Claims, travelled: FloatArray, window: float) -> FloatArray:
     return total
 
 
-def neighbours(claims: Claims, travelled: FloatArray, window: float) -> tuple[IntArray, IntArray]:
+def neighbours(claims: Agreeing, travelled: FloatArray, window: float) -> tuple[IntArray, IntArray]:
     """Return the pairs a, b (P,) of closures with ends within the window [m] and not the same j."""
     order = np.argsort(travelled[claims.j], kind="stable")
     way_j, way_i = travelled[claims.j][order], travelled[claims.i][order]
@@ -78,7 +78,7 @@ def neighbours(claims: Claims, travelled: FloatArray, window: float) -> tuple[In
     return a[differ], b[differ]
 
 
-def _agreeing(claims: Claims, poses: FloatArray, a: IntArray, b: IntArray, settings: SupportSettings) -> BoolArray:
+def _agreeing(claims: Agreeing, poses: FloatArray, a: IntArray, b: IntArray, settings: SupportSettings) -> BoolArray:
     along_i = between(poses[claims.i[a]], poses[claims.i[b]])
     along_j = between(poses[claims.j[a]], poses[claims.j[b]])
     longest = np.maximum(np.hypot(along_i[:, 0], along_i[:, 1]), np.hypot(along_j[:, 0], along_j[:, 1]))

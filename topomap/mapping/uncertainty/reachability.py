@@ -35,14 +35,21 @@ class Reachability:
         self._place: IntArray = np.zeros(0, np.int64)
         self._informations: FloatArray = np.zeros((0, 2, 2))
 
-    def covariance(self, match: int, query: int) -> FloatArray:
-        """Return the covariance (3, 3) of `match_from_query` along the route, across a closure where that is better."""
+    def errors(self, match: int, query: int) -> FloatArray:
+        """Return the errors (3, 3) about the map's origin between two nodes along the route, or across a closure where
+        that is better.
+        """
         chain = self._current()
         x, y, _ = self._map.poses[query].tolist()
         ends, closures = self._carried(self._map.closures)
         i, j = int(self._place[match]), int(self._place[query])
-        errors = best_way(chain.random, chain.systematic, chain.calibration, i, j, x, y, ends, closures)
-        return turned(errors, self._map.pose(match).heading, x, y)
+        found = best_way(chain.random, chain.systematic, chain.calibration, i, j, x, y, ends, closures)
+        return np.asarray(found)
+
+    def covariance(self, match: int, query: int) -> FloatArray:
+        """Return the covariance (3, 3) of `match_from_query` by these errors."""
+        x, y, _ = self._map.poses[query].tolist()
+        return turned(self.errors(match, query), self._map.pose(match).heading, x, y)
 
     def reach(self, node: int) -> float:
         """Return how far from where the map has it the robot may be, seen from an older node [m]."""

@@ -1,4 +1,4 @@
-"""How a recording with bare loop candidates is mapped."""
+"""How a drive whose claims say only "the same place" is mapped."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def _closing() -> OptimizerSettings:
     return OptimizerSettings(cutoffs=(3.0, 2.0, 1.5), cutoff=1.0)
 
 
-class TucSettings(BaseModel):
+class AlongSettings(BaseModel):
     """Stages and their limits; none was chosen on a recording's truth."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
