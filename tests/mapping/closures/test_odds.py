@@ -138,8 +138,9 @@ def test_who_stands_just_as_claimed_counts_for_nothing_as_it_would_make_the_clai
     poses = lattice()
     sharp = (0.1, 0.1, 0.1)
     assert crowding(poses, claim(np.zeros(3), sharp)) == 0.0  # the next place of the lattice is 10 sigmas away
-    assert crowding(poses, claim(np.array([0.49, 0.0, 0.0]), (0.2, 0.2, 0.1))) > 0.5  # 2.5 sigmas from 1, 0
-    assert crowding(poses, claim(np.array([0.51, 0.0, 0.0]), (0.2, 0.2, 0.1))) > 1.2  # and from 0, 0, too
+    within, beyond = (crowding(poses, claim(np.array([x, 0.0, 0.0]), (0.2, 0.2, 0.1))) for x in (0.49, 0.51))
+    assert within > 0.5  # 2.5 sigmas from 1, 0
+    assert beyond > within + 0.2  # and from 0, 0, too
     assert crowding(poses, claim(np.array([0.0, 0.0, np.deg2rad(9.5)]), sharp)) == 0.0
     assert crowding(poses, claim(np.array([0.0, 0.0, np.deg2rad(10.5)]), sharp)) > np.log(10)
 
