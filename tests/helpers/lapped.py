@@ -98,21 +98,21 @@ def only(graph: PoseGraph, kept: BoolArray | IntArray) -> PoseGraph:
     )
 
 
-def lapped(laps: int = 4, every: int = 4, seed: int = 0, stated: float = 1.0) -> Lapped:
+def lapped(laps: int = 4, every: int = 4, seed: int = 0, step: FloatArray = STEP) -> Lapped:
     """Return laps of a loop that no turn maps onto itself; some places of later laps close with any lap before.
 
-    stated: times the true covariances are stated.
+    step (3,): sigmas of odometry.
     """
     rng = np.random.default_rng(seed)
     truth = _lap()[np.arange(laps * LAP) % LAP]
     steps = between(truth[:-1], truth[1:])
-    odometry = steps + rng.normal(size=steps.shape) * STEP
+    odometry = steps + rng.normal(size=steps.shape) * step
     odometry[:, 2] = wrap_all(odometry[:, 2])
     j = np.arange(LAP, laps * LAP, every)
     i = j - LAP * rng.integers(1, j // LAP + 1)
     relative = between(truth[i], truth[j]) + rng.normal(size=(len(j), 3)) * CLOSURE
-    spread = np.tile(stated * np.diag(STEP**2), (len(steps), 1, 1))
-    closed = np.tile(stated * np.diag(CLOSURE**2), (len(j), 1, 1))
+    spread = np.tile(np.diag(step**2), (len(steps), 1, 1))
+    closed = np.tile(np.diag(CLOSURE**2), (len(j), 1, 1))
     return Lapped(PoseGraph("lapped", odometry, spread, i, j, relative, closed), truth, np.zeros(len(j), bool))
 
 
