@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -151,6 +152,19 @@ def test_a_cluster_is_allowed_when_odometry_allows_one_of_its_representatives() 
     assert set(found.reason) == {"the map makes it unlikely"}
 
 
+def test_what_odometry_refuses_stays_out_though_the_map_comes_to_fit_it() -> None:
+    """Odometry that is stated too sure refuses some true claims; the others put the map right all the same."""
+    drive, claims, _ = lapped(seed=1).engine_input()
+    told = drive.edges.increments
+    sure = EdgeIncrements(told.deltas, 0.3 * told.covariances, told.starts)
+    found = Batch(replace(drive, edges=replace(drive.edges, increments=sure)), claims, (even(30.0),)).run()
+    refused = np.array([word == "odometry contradicts it" for word in found.reason])
+    assert 3 <= refused.sum() <= 30
+    off = (between(found.state.poses[claims.i], found.state.poses[claims.j]) - claims.relative) / CLOSURE
+    assert np.abs(off[refused]).max() < 6.0
+    assert found.inlier.tolist() == (~refused).tolist()
+
+
 def together(drive: Drive, off: float) -> tuple[Claims, BoolArray]:
     """Twelve claims of one pair of places that say the same and one that is off [sigmas]; and which one that is."""
     made = np.zeros((13, 3))
@@ -175,6 +189,8 @@ def test_what_does_not_fit_is_taken_up_three_times() -> None:
     claims, odd = together(drive, 20.0)
     found, rounds, _ = rounds_of(drive, claims, even(30.0))
     assert found.inlier.tolist() == (~odd).tolist()
+    assert found.reason[6] == "the map makes it unlikely"  # too far off to be asked about once more
+    assert np.isneginf(found.log_odds[6])
     assert rounds == batch.TRIES + 1 == 4  # in the last there is nothing left to take up
 
 

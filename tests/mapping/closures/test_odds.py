@@ -168,15 +168,14 @@ def test_crowding_never_speaks_for_a_claim() -> None:
     assert crowding(scattered(), outside) == 0.0
 
 
-def test_neighbours_on_the_way_are_no_pair() -> None:
-    """A robot that stands still between two places has many neighbours alike; they are none of a false claim's ends."""
-    few = np.zeros((NEAREST, 3))
-    one = claim(np.array([2.0, 0.0, 0.0]), (1.0, 1.0, 0.1))
-    assert crowding(few, one) == 0.0
-    slow = np.column_stack([np.arange(400) * 0.25, np.zeros(400), np.zeros(400)])  # 2 m on: 8 places, too near
-    assert crowding(slow, claim(np.array([1.0, 0.0, 0.0]), (0.2, 0.2, 0.1))) == 0.0
-    fast = slow * [0.5, 1.0, 1.0]  # 1 m on is 8 places, 2 m on is 16
-    assert crowding(fast, claim(np.array([2.0, 0.0, 0.0]), (0.6, 0.2, 0.1))) > 0.0
+def test_places_less_than_ten_apart_on_the_way_are_no_pair() -> None:
+    """On a line in steps of 1 m: who is 8 m on is 8 places on, who is 12 m on is a false claim's end."""
+    assert NEAREST == 10
+    line = np.column_stack([np.arange(400.0), np.zeros(400), np.zeros(400)])
+    sigmas = (0.3, 0.1, 0.1)
+    assert crowding(line, claim(np.array([8.6, 0.0, 0.0]), sigmas)) == 0.0
+    assert crowding(line, claim(np.array([12.6, 0.0, 0.0]), sigmas)) > 1.0
+    assert crowding(np.zeros((NEAREST, 3)), claim(np.array([2.0, 0.0, 0.0]), (1.0, 1.0, 0.1))) == 0.0  # no pair at all
 
 
 def test_pairs_are_drawn_evenly_and_are_always_the_same() -> None:

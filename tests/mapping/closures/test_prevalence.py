@@ -7,6 +7,7 @@ import pytest
 from lapped import Lapped, lapped
 
 from topomap.core.arrays import BoolArray, IntArray
+from topomap.core.geometry import between
 from topomap.mapping.closures.claims import Claims
 from topomap.mapping.closures.odds import mahalanobis
 from topomap.mapping.closures.prevalence import GATE, MOST, SAMPLE, allowed_by_chance, log_prevalence
@@ -81,7 +82,16 @@ def test_claims_that_odometry_allows_by_chance_are_counted_on_others_ends() -> N
     assert found == pytest.approx((chi2 <= GATE).mean(), rel=0.2)
     assert 0.05 < found < MOST
     wide = Claims.of(wild.i, wild.j, wild.relative, wild.covariance * 1e8)
-    assert allowed_by_chance(wide, drive.poses, odometry) == MOST
+    assert allowed_by_chance(wide, drive.poses, odometry) == MOST == 0.95
+
+
+def test_true_claims_of_different_poses_are_false_of_one_anothers_places() -> None:
+    drive, claims, _ = lapped(laps=2).engine_input()
+    odometry = PathNetwork.of_chain(drive.chain(drive.start()))
+    i = np.arange(0, 100, 3)
+    j = i + 20 + i % 50
+    true = Claims.of(i, j, between(drive.poses[i], drive.poses[j]), np.tile(claims.covariance[0], (len(i), 1, 1)))
+    assert allowed_by_chance(true, drive.poses, odometry) < 0.2
 
 
 def test_few_claims_and_many_are_counted() -> None:

@@ -66,21 +66,31 @@ def test_what_members_miss_by_is_added_up_in_the_maps_axes() -> None:
 
 def test_a_turn_is_carried_to_the_place_where_the_misses_are_added_up() -> None:
     """Eight claims that place one rigid, turned piece: about its first place it is turned and not moved."""
-    poses, k = bent(turn=0.0), np.arange(8)
-    turned, there = 0.5 * SIGMAS[2], 100 + k
+    poses, k = bent(turn=0.1), np.arange(8)
+    turned, there = 1.1 * SIGMAS[2], 133 + k  # a stretch across both axes
     lever = poses[there, :2] - poses[there[0], :2]
     off = np.column_stack([-turned * lever[:, 1], turned * lever[:, 0], np.full(8, turned)])
-    assert found(poses, missing(poses, 16 + k, there, off)) == [False]  # half a sigma of turn: chi-squared is 2
+    assert found(poses, missing(poses, 16 + k, there, off)) == [False]  # 1.1 sigmas of turn: chi-squared is 9.7
+    assert found(poses, missing(poses, 16 + k, there, off * [-1.0, 1.0, 1.0])) == [True]
     assert found(poses, missing(poses, 16 + k, there, off * [1.0, -1.0, 1.0])) == [True]
 
 
 def test_blind_claims_are_held_against_their_places_alone() -> None:
     poses, k = bent(turn=0.0), np.arange(8)
-    unknown = np.array([0.05, 0.05, 6.0])
+    unknown = np.array([0.05, 0.05, 1.05])  # just more than what is called unknown
     turned = missing(poses, 16 + k, 100 + k, np.array([0.0, 0.0, 2.0]), unknown)
     assert turned.blind.all()
     assert found(poses, turned) == [False]
     assert found(poses, missing(poses, 16 + k, 100 + k, np.array([0.08, 0.0, 2.0]), unknown)) == [True]
+
+
+def test_what_is_unsure_ahead_is_unsure_aside_on_a_way_across() -> None:
+    poses = bent(turn=0.0)
+    poses[:, 2] = np.pi / 2
+    long = np.array([0.2, 0.05, 0.02])  # a claim is unsure ahead, which is up in the map
+    i, j = np.array([20]), np.array([150])
+    assert found(poses, missing(poses, i, j, np.array([0.0, 0.3, 0.0]), long)) == [False]
+    assert found(poses, missing(poses, i, j, np.array([0.3, 0.0, 0.0]), long)) == [True]
 
 
 def test_clusters_are_judged_apart_and_one_strained_stretch_is_enough() -> None:
