@@ -143,6 +143,17 @@ def test_beyond_the_limit_only_more_is_told_and_within_it_nothing_changes() -> N
     assert np.isfinite(distance(turned, chain, 0, 1))
 
 
+@pytest.mark.parametrize("turn", [0.05, 0.1, 0.2, 0.4])
+def test_a_loop_is_given_up_by_its_heading_only_where_all_of_it_is_beyond_the_limit(turn: float) -> None:
+    for seed in range(10):
+        chain = walk(80, seed)
+        claims = claims_on(chain, [10, 11], [60, 59], seed, noise=0.0)
+        claims.relative[1, 2] += turn
+        exact = distance(claims, chain, 0, 1)
+        assert distance(claims, chain, 0, 1, limit=exact * 1.001) == exact
+        assert distance(claims, chain, 0, 1, limit=exact * 0.999) >= exact
+
+
 def found_loops(claims: Claims, chain: Chain, window: int, asked: IntArray | None = None) -> list[tuple[int, int]]:
     first = np.searchsorted(claims.i, np.arange(len(chain.poses) + 1))
     args = (claims.i, claims.j, claims.relative, claims.covariance, claims.blind, chain.poses, chain.random, first)
