@@ -20,7 +20,12 @@ from topomap.mapping.closures.strain import strained
 from topomap.mapping.optimizer import OptimizerSettings
 from topomap.mapping.uncertainty.network import PathNetwork
 
-LIKELY = float(np.log(1000.0))  # log odds from which a claim may bend the growing map: one in 1,000 is false
+SURE = float(np.log(1000.0))  # log odds from which a lone claim bends the growing map, and any is an inlier of the last
+SEVERAL = 3  # claims that agree with one another ...
+LIKELY = float(
+    np.log(20.0)
+)  # ... may bend the growing map sooner: what is false among them strains it and is taken out
+POSSIBLE = float(np.log(5.0))  # ... and where nothing is so likely, sooner still: else a map without a start stays one
 FALSE = 3e-4  # share of false ones that the finished map's closures may hold by their odds
 UNLIKELY = float(np.log(20.0))  # log odds below which none is taken whatever the others are
 FEW = 500  # claims whose best paths are found at once; of more, only those that a quick upper bound leaves
@@ -31,7 +36,7 @@ SETTLED = 1e-3  # share of new closures with which the finished map is no longer
 # new closures may pull the map far: begin with cutoffs that let all of them pull
 GROWING = OptimizerSettings(cutoffs=(1e3, 10.0), iterations=2, tolerance=0.02)
 # 6 sigmas: the noise's scale is that of 99 % of the closures, and real ones have heavy tails
-CLOSING = OptimizerSettings(cutoffs=(20.0, 6.0), cutoff=6.0, iterations=10, tolerance=0.001)
+CLOSING = OptimizerSettings(cutoffs=(20.0, 6.0), cutoff=6.0, iterations=10, tolerance=1e-4)
 
 Told = Callable[[float, str], None]
 
@@ -125,8 +130,10 @@ class Batch:
             near = which[chi2 <= GATE]
             self._odds[which[chi2 > GATE]] = -np.inf
             own = self._claims[near]
-        self._weigh(near, network.errors(own.i, own.j), LIKELY)
-        return np.asarray(near[self._odds[near] >= LIKELY])
+        self._weigh(near, network.errors(own.i, own.j), POSSIBLE)
+        odds, several = self._odds[near], self._clusters.size[self._clusters.label[near]] >= SEVERAL
+        likely = odds >= np.where(several, LIKELY, SURE)
+        return np.asarray(near[likely] if likely.any() else near[several & (odds >= POSSIBLE)])
 
     def _weigh(self, which: IntArray, errors: FloatArray, bar: float) -> None:
         """Set the log odds of some claims by one test after the other; below the bar the last ones aren't asked."""
@@ -164,8 +171,8 @@ class Batch:
         for turn in range(SETTLINGS):
             self._told(0.7 + 0.3 * turn / SETTLINGS, f"{len(self._standing)} closures, settling")
             before = len(self._standing)
-            self._solve(self._likely_of_all(), CLOSING)
-            tense = strained(self._map.poses, self._claims, self._clusters.label, self._standing) & ~suspected
+            self._solve(self._likely_of_all(suspected), CLOSING)
+            tense = self._strained() & ~suspected
             if turn == SETTLINGS - 1 or (not tense.any() and len(self._standing) <= before * (1 + SETTLED)):
                 break
             if tense.any():
@@ -173,8 +180,13 @@ class Batch:
                 self._solve(self._standing[~tense[self._clusters.label[self._standing]]], CLOSING)
         return np.asarray(np.isin(np.arange(len(self._claims)), self._standing))
 
-    def _likely_of_all(self) -> IntArray:
-        """Return all claims that the map makes likely, those of standing clusters by what it knows of one another."""
+    def _strained(self) -> BoolArray:
+        """Return which clusters (K,) strain the map."""
+        label = self._clusters.label
+        return strained(self._map.poses, self._claims, label, self._standing, self._network())
+
+    def _likely_of_all(self, suspected: BoolArray) -> IntArray:
+        """Return all claims that the map makes likely; suspected clusters (K,) come back as they once came in."""
         network, label = self._network(), self._clusters.label
         some = self._claims
         errors = network.upper_bounds(some.i, some.j)
@@ -186,11 +198,12 @@ class Batch:
         best = near[np.argsort(-self._odds[near], kind="stable")]
         best = best[self._odds[best] >= UNLIKELY]
         false = np.cumsum(expit(-self._odds[best])) / np.arange(1, len(best) + 1)
-        return np.sort(best[(false <= FALSE) | (self._odds[best] >= LIKELY)])
+        back = suspected[label[best]] & (self._clusters.size[label[best]] >= SEVERAL)
+        return np.sort(best[(false <= FALSE) | (self._odds[best] >= np.where(back, LIKELY, SURE))])
 
     def _reasons(self, inlier: BoolArray) -> tuple[str, ...]:
         """Return why each claim is in or out."""
         allowed = self._allowed[self._clusters.label]
         words = np.where(inlier, "fits the map with all other closures", "the map makes it unlikely")
-        words = np.where(~inlier & (self._odds >= LIKELY), "likely, but the map can't fit it beside the others", words)
+        words = np.where(~inlier & (self._odds >= SURE), "likely, but the map can't fit it beside the others", words)
         return tuple(np.where(allowed, words, "odometry contradicts it").tolist())
