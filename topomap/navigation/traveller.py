@@ -11,14 +11,20 @@ from topomap.core.records import Command, Goal, HomeVector, Phase, Travel, Where
 from topomap.mapping.mapper import Mapper
 from topomap.navigation import planner
 from topomap.navigation.arrival import Arrival, ArrivalSettings
+from topomap.navigation.manoeuvres.policy_drive import PolicyDrive
 from topomap.navigation.pilot import Pilot, PilotSettings
-from topomap.vision.contracts import Aligner
+from topomap.vision.aligned_homing import AlignedHoming
+from topomap.vision.choice import CompassChoice, HomingChoice
 from topomap.vision.image.aligned_difference import aligned_difference
 
 
 class TravelSettings(BaseModel, frozen=True, extra="forbid"):
     """How a journey is made and when it is given up."""
 
+    homing: HomingChoice = Field("min-warping", description="the method that homes, by its name in `topomap methods`")
+    aligner: CompassChoice = Field(
+        "own", description="the aligner it is given its rotation by; own: the method's own, or min-warping"
+    )
     pilot: PilotSettings = PilotSettings()
     arrival: ArrivalSettings = ArrivalSettings()
     goal_speed: float = Field(0.2, gt=0, description="speed limit on the last leg [m/s]")
@@ -27,24 +33,33 @@ class TravelSettings(BaseModel, frozen=True, extra="forbid"):
     recoveries: int = Field(3, ge=0, description="how often a given-up leg leads to a new plan before giving up")
 
 
-class _Leg:
-    """One milestone: the view to home to, and what homing has seen on the way."""
+POLICY_REST = 12
+"""Looks without a new minimum after which a policy's leg has come to its end: a round of trial moves is up to nine."""
 
-    def __init__(self, node: int, view: Panorama, heading: float, arrival: ArrivalSettings) -> None:
+
+class _Leg:
+    """One milestone: the view to home to, and what homing has seen on the way; drive: a policy's moves, if it has one.
+
+    A step of the leg is a look: a policy's difference rises and falls with its trial moves, so that only a whole round
+    of them without a new minimum says that the minimum has been passed.
+    """
+
+    def __init__(
+        self, node: int, view: Panorama, heading: float, arrival: ArrivalSettings, drive: PolicyDrive | None
+    ) -> None:
         self.node = node
         self.view = view
         self.rotation = heading  # the robot's heading minus the milestone's, kept up to date by compass and odometry
-        self.arrival = Arrival(arrival)
+        self.drive = drive
+        rounds = {"rise_steps": POLICY_REST, "rest_steps": POLICY_REST}
+        self.arrival = Arrival(arrival.model_copy(update=rounds) if drive else arrival)
         self.steps = 0
 
 
 class Traveller:
-    """Plans, homes to milestone after milestone, notices arrival, recovers, gives up.
+    """Plans, homes to milestone after milestone, notices arrival, recovers, gives up."""
 
-    The aligner must give home vectors as well (min-warping does).
-    """
-
-    def __init__(self, settings: TravelSettings, homing: Aligner) -> None:
+    def __init__(self, settings: TravelSettings, homing: AlignedHoming) -> None:
         self._s = settings
         self._pilot = Pilot(settings.pilot)
         self._homing = homing
@@ -73,8 +88,11 @@ class Traveller:
         if not route:
             return Command(), Travel(Phase.ARRIVED, goal, note="already there")
         leg = self._leg_to(route[0], where, mapper)
-        leg.steps += 1
         leg.rotation = wrap(leg.rotation + turn)
+        speed = self._s.goal_speed if len(route) == 1 else None
+        if leg.drive is not None and leg.drive.moving(mapper.track.raw):
+            return self._drive(leg.drive, panorama, mapper, speed), Travel(Phase.TRAVEL, leg.node, legs_left=len(route))
+        leg.steps += 1
         alignment = self._homing.align(panorama, leg.view, leg.rotation)
         leg.rotation = alignment.rotation
         difference = aligned_difference(panorama, leg.view, alignment.rotation)
@@ -82,10 +100,16 @@ class Traveller:
             return self._arrive(difference)
         if leg.steps > self._s.leg_steps or leg.arrival.since_minimum > self._s.stale_steps:
             return self._recover(difference, where)
-        home = alignment.home or HomeVector(0.0, confidence=0.0)
-        speed = self._s.goal_speed if len(route) == 1 else None
-        command = self._pilot.steer(home.bearing, panorama.ranges, speed)
+        if leg.drive is not None:
+            home = leg.drive.look(panorama, leg.rotation, mapper.track.raw)
+            command = self._drive(leg.drive, panorama, mapper, speed)
+        else:
+            home = alignment.home or HomeVector(0.0, confidence=0.0)
+            command = self._pilot.steer(home.bearing, panorama.ranges, speed)
         return command, Travel(Phase.TRAVEL, leg.node, home, difference, len(route))
+
+    def _drive(self, drive: PolicyDrive, panorama: Panorama, mapper: Mapper, speed: float | None) -> Command:
+        return drive.drive(panorama, mapper.track.raw, speed or self._s.pilot.speed)
 
     def _plan(self, where: Where, goal: int, mapper: Mapper) -> str:
         """Set a route from the node where the robot is; return why there is none, or ""."""
@@ -101,7 +125,9 @@ class Traveller:
     def _leg_to(self, node: int, where: Where, mapper: Mapper) -> _Leg:
         if self._leg is None or self._leg.node != node:
             heading = wrap(where.pose.heading - mapper.map.pose(node).heading)
-            self._leg = _Leg(node, mapper.view_cache.panorama(node), heading, self._s.arrival)
+            view = mapper.view_cache.panorama(node)
+            drive = PolicyDrive(self._homing, view, self._pilot) if self._homing.policy else None
+            self._leg = _Leg(node, view, heading, self._s.arrival, drive)
         return self._leg
 
     def _arrive(self, difference: float) -> tuple[Command, Travel]:
