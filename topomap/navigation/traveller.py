@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from pydantic import BaseModel, Field
+import math
+
+from pydantic import BaseModel, Field, model_validator
 
 from topomap.core.errors import TopomapError
 from topomap.core.geometry import wrap
@@ -14,8 +16,9 @@ from topomap.navigation.arrival import Arrival, ArrivalSettings
 from topomap.navigation.manoeuvres.policy_drive import PolicyDrive
 from topomap.navigation.pilot import Pilot, PilotSettings
 from topomap.vision.aligned_homing import AlignedHoming
-from topomap.vision.choice import CompassChoice, HomingChoice
+from topomap.vision.choice import CompassChoice, HomingChoice, found
 from topomap.vision.image.aligned_difference import aligned_difference
+from topomap.vision.registry import aligned_homing
 
 
 class TravelSettings(BaseModel, frozen=True, extra="forbid"):
@@ -32,9 +35,19 @@ class TravelSettings(BaseModel, frozen=True, extra="forbid"):
     stale_steps: int = Field(35, ge=5, description="steps without a new minimum after which a leg is given up")
     recoveries: int = Field(3, ge=0, description="how often a given-up leg leads to a new plan before giving up")
 
+    @model_validator(mode="after")
+    def _fit(self) -> TravelSettings:
+        """Refuse an aligner for what aligns by itself."""
+        found(aligned_homing, self.homing, self.aligner)
+        return self
+
 
 POLICY_REST = 12
 """Looks without a new minimum after which a policy's leg has come to its end: a round of trial moves is up to nine."""
+ASTRAY, FAR, LOST = math.pi / 2, 0.4, 0.5
+"""How far off the map's bearing a home vector leads away [rad], the distance from which on that counts [m] (nearer,
+the map's own error turns its bearing), and the probability of being lost from which on the map isn't asked.
+"""
 
 
 class _Leg:
@@ -54,6 +67,7 @@ class _Leg:
         rounds = {"rise_steps": POLICY_REST, "rest_steps": POLICY_REST}
         self.arrival = Arrival(arrival.model_copy(update=rounds) if drive else arrival)
         self.steps = 0
+        self.astray = False  # homing led away from the milestone: the rest of the leg goes by the map
 
 
 class Traveller:
@@ -66,10 +80,12 @@ class Traveller:
         self._route: list[int] | None = None
         self._leg: _Leg | None = None
         self._recoveries = 0
+        self._checked = False
 
     def step(self, panorama: Panorama, turn: float, where: Where, goal: Goal, mapper: Mapper) -> tuple[Command, Travel]:
         """Return the command and what was done; `turn` is the odometry's (corrected) turn of this step [rad]."""
         if goal.node is None:
+            self._check(panorama)
             return Command(), Travel(goal.phase)
         if self._route is None:
             failure = self._plan(where, goal.node, mapper)
@@ -80,6 +96,12 @@ class Traveller:
     def pause(self) -> None:
         """Begin the leg anew when travelling goes on: something else has the wheels."""
         self._leg = None
+
+    def _check(self, panorama: Panorama) -> None:
+        """Say at the first view, not after a whole lesson, that the robot lacks what the method needs."""
+        if not self._checked and self._homing.method is not None:
+            self._homing.method.needs.check(panorama)
+        self._checked = True
 
     def _travel(
         self, panorama: Panorama, turn: float, where: Where, goal: int, mapper: Mapper
@@ -104,9 +126,25 @@ class Traveller:
             home = leg.drive.look(panorama, leg.rotation, mapper.track.raw)
             command = self._drive(leg.drive, panorama, mapper, speed)
         else:
-            home = alignment.home or HomeVector(0.0, confidence=0.0)
+            home = self._trusted(alignment.home or HomeVector(0.0, confidence=0.0), leg, where, mapper)
             command = self._pilot.steer(home.bearing, panorama.ranges, speed)
         return command, Travel(Phase.TRAVEL, leg.node, home, difference, len(route))
+
+    def _trusted(self, home: HomeVector, leg: _Leg, where: Where, mapper: Mapper) -> HomeVector:
+        """Return the home vector to follow: the map's, with no confidence, where a method's isn't to be trusted.
+
+        A home vector that leads away from a milestone that still lies far off was found between places that have
+        little in common: through a doorway ranges show other rooms, and the centroid of the open space lies behind.
+        Over so short a way the map is never that wrong, unless the robot is lost. What aligns and homes at once
+        searches all directions for one that explains the view, and is followed even where it isn't sure.
+        """
+        if self._homing.method is None:
+            return home
+        milestone = mapper.map.pose(leg.node)
+        bearing = where.pose.bearing_to(milestone)
+        away = abs(wrap(home.bearing - bearing)) > ASTRAY and where.pose.distance(milestone) > FAR
+        leg.astray = leg.astray or (away and home.confidence > 0.0 and where.lost < LOST)
+        return HomeVector(bearing, None, 0.0) if leg.astray or home.confidence <= 0.0 else home
 
     def _drive(self, drive: PolicyDrive, panorama: Panorama, mapper: Mapper, speed: float | None) -> Command:
         return drive.drive(panorama, mapper.track.raw, speed or self._s.pilot.speed)

@@ -33,7 +33,8 @@ def method(chosen: str | Method | Aligner) -> Method:
     """Return the homing method of a name, with references or a policy too, or the object itself. Raises DataError."""
     if isinstance(chosen, str):
         known: dict[str, Method] = {**METHODS, **REFERENCE_METHODS, **POLICIES}
-        return _named(chosen, known, "homing method")
+        alone = [name for name in ALIGNERS if name not in known and _homing_aligner(name) is not None]
+        return _named(chosen, known, "homing method", *alone)
     if not isinstance(chosen, (HomingMethod, ReferenceHoming, HomingPolicy)):
         raise DataError(
             f"{chosen!r} is no homing method: it needs needs and claims_homing, and describe and home,"
@@ -64,9 +65,9 @@ def _homing_aligner(chosen: str | Method | Aligner) -> Aligner | None:
     return chosen if isinstance(chosen, Aligner) else None
 
 
-def _named(name: str, known: Mapping[str, T], what: str) -> T:
+def _named(name: str, known: Mapping[str, T], what: str, *more: str) -> T:
     if name not in known:
-        raise DataError(f"unknown {what} {name!r}; there are {', '.join(known)}")
+        raise DataError(f"unknown {what} {name!r}; there are {', '.join([*known, *more])}")
     return known[name]
 
 
