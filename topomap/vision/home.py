@@ -24,7 +24,7 @@ def home(current: Panorama, goal: Panorama, method: str | Method | Aligner = "au
     method: a name of the registry or an object of one's own. One that needs a compass takes the automatic choice's
     rotation; a policy, which must move, gives its first move. Raises DataError, ShapeError.
     """
-    homing = aligned_homing(method, "auto")
+    homing = aligned_homing(method, otherwise="auto")
     if homing.policy is None:
         return homing.home(current, goal).home
     return homing.move(homing.policy.start(goal), current, homing.aligner.align(current, goal).rotation)[1]

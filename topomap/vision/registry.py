@@ -43,18 +43,20 @@ def method(chosen: str | Method | Aligner) -> Method:
     return chosen
 
 
-def aligned_homing(chosen: str | Method | Aligner, compass: str | Aligner = OWN) -> AlignedHoming:
+def aligned_homing(
+    chosen: str | Method | Aligner, compass: str | Aligner = OWN, otherwise: str = DEFAULT
+) -> AlignedHoming:
     """Return method and aligner as one; each a name or an object. Raises DataError.
 
     chosen: a homing method, or an aligner that gives home vectors. Where it aligns by itself and no other aligner is
-    asked for, it is asked once, near the rotation that odometry tells.
+    asked for, it is asked once, near the rotation that odometry tells. otherwise: the aligner of a method without one.
     """
     alone = _homing_aligner(chosen)
     if alone is not None and compass in (OWN, chosen):
         return AlignedHoming(alone)
     if isinstance(chosen, str) and alone is not None and chosen not in METHODS:
         raise DataError(f"homing method {chosen!r} is its own aligner; give it no other than {OWN!r}")
-    return AlignedHoming(aligner(DEFAULT if compass == OWN else compass), method(chosen))
+    return AlignedHoming(aligner(otherwise if compass == OWN else compass), method(chosen))
 
 
 def _homing_aligner(chosen: str | Method | Aligner) -> Aligner | None:
