@@ -86,7 +86,7 @@ def method(bearing: float, confidence: float = 1.0) -> AlignedHoming:
     return AlignedHoming(KnowingCompass(), Method(Fixed(bearing, confidence)))
 
 
-FAR, NEAR = Pose2(2.0, 0.0, 0.0), Pose2(0.3, 0.0, 0.0)  # the milestone lies behind
+FAR, NEAR = Pose2(2.0, 0.0, 0.0), Pose2(0.15, 0.0, 0.0)  # the milestone lies behind
 
 
 @pytest.mark.parametrize("bearing", [math.pi, 2.0, -2.0])
@@ -110,6 +110,15 @@ def test_where_a_method_says_nothing_the_map_leads_and_the_method_may_speak_agai
     assert followed(method(0.0, 0.0), NEAR)[0].home == HomeVector(math.pi, None, 0.0)
     quiet = followed(method(0.0, 0.0), FAR, NEAR)
     assert [travel.home.bearing for travel in quiet if travel.home] == pytest.approx([math.pi, math.pi])
+
+
+def test_a_leg_that_homing_gave_up_is_tried_again_by_the_map() -> None:
+    short = TravelSettings(arrival=NEVER.arrival, leg_steps=5)
+    robot, seen = Traveller(short, method(2.0)), TellingViews().view(2.0, 0.0, 0.0)
+    travels = [robot.step(seen, 0.0, Where(FAR, 0, 0.5, 0.0), GOAL, mapper())[1] for _ in range(8)]
+    assert [travel.home.bearing for travel in travels[:5] if travel.home] == pytest.approx([2.0] * 5)
+    assert "given up" in travels[5].note
+    assert [travel.home.bearing for travel in travels[6:] if travel.home] == pytest.approx([math.pi] * 2)
 
 
 def test_what_aligns_and_homes_at_once_is_followed_even_unsure() -> None:

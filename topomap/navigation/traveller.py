@@ -44,7 +44,7 @@ class TravelSettings(BaseModel, frozen=True, extra="forbid"):
 
 POLICY_REST = 12
 """Looks without a new minimum after which a policy's leg has come to its end: a round of trial moves is up to nine."""
-ASTRAY, FAR, LOST = math.pi / 2, 0.4, 0.5
+ASTRAY, FAR, LOST = math.pi / 2, 0.2, 0.5
 """How far off the map's bearing a home vector leads away [rad], the distance from which on that counts [m] (nearer,
 the map's own error turns its bearing), and the probability of being lost from which on the map isn't asked.
 """
@@ -58,7 +58,13 @@ class _Leg:
     """
 
     def __init__(
-        self, node: int, view: Panorama, heading: float, arrival: ArrivalSettings, drive: PolicyDrive | None
+        self,
+        node: int,
+        view: Panorama,
+        heading: float,
+        arrival: ArrivalSettings,
+        drive: PolicyDrive | None,
+        astray: bool,
     ) -> None:
         self.node = node
         self.view = view
@@ -67,7 +73,7 @@ class _Leg:
         rounds = {"rise_steps": POLICY_REST, "rest_steps": POLICY_REST}
         self.arrival = Arrival(arrival.model_copy(update=rounds) if drive else arrival)
         self.steps = 0
-        self.astray = False  # homing led away from the milestone: the rest of the leg goes by the map
+        self.astray = astray  # homing leads away from the milestone: the rest of the leg goes by the map
 
 
 class Traveller:
@@ -80,6 +86,7 @@ class Traveller:
         self._route: list[int] | None = None
         self._leg: _Leg | None = None
         self._recoveries = 0
+        self._given_up: set[int] = set()  # milestones that homing didn't reach
         self._checked = False
 
     def step(self, panorama: Panorama, turn: float, where: Where, goal: Goal, mapper: Mapper) -> tuple[Command, Travel]:
@@ -135,8 +142,9 @@ class Traveller:
 
         A home vector that leads away from a milestone that still lies far off was found between places that have
         little in common: through a doorway ranges show other rooms, and the centroid of the open space lies behind.
-        Over so short a way the map is never that wrong, unless the robot is lost. What aligns and homes at once
-        searches all directions for one that explains the view, and is followed even where it isn't sure.
+        Over so short a way the map is never that wrong, unless the robot is lost. A leg that homing gave up is tried
+        again by the map. What aligns and homes at once searches all directions for one that explains the view, and is
+        followed even where it isn't sure.
         """
         if self._homing.method is None:
             return home
@@ -165,7 +173,7 @@ class Traveller:
             heading = wrap(where.pose.heading - mapper.map.pose(node).heading)
             view = mapper.view_cache.panorama(node)
             drive = PolicyDrive(self._homing, view, self._pilot) if self._homing.policy else None
-            self._leg = _Leg(node, view, heading, self._s.arrival, drive)
+            self._leg = _Leg(node, view, heading, self._s.arrival, drive, node in self._given_up)
         return self._leg
 
     def _arrive(self, difference: float) -> tuple[Command, Travel]:
@@ -180,6 +188,7 @@ class Traveller:
         assert self._leg
         node, self._leg, self._route = self._leg.node, None, None
         self._recoveries += 1
+        self._given_up.add(node)
         if self._recoveries > self._s.recoveries:
             return Command(), Travel(Phase.FAILED, node, None, difference, 0, f"gave up on the way to node {node}")
         return Command(), Travel(Phase.TRAVEL, node, None, difference, 0, f"leg to node {node} given up: new plan")
