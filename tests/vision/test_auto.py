@@ -70,7 +70,7 @@ def test_home_in_five_lines(tmp_path: Path) -> None:
     assert abs(wrap(way.bearing - POSE.bearing_to(HOME))) < math.radians(3)
     matched = topomap.home(here, goal, "dtw-unifying")
     assert abs(wrap(matched.bearing - POSE.bearing_to(HOME))) < math.radians(15)
-    with pytest.raises(DataError, match="no homing method"):
+    with pytest.raises(DataError, match="unknown homing method"):
         topomap.home(here, goal, "telepathy")
     with pytest.raises(DataError, match="ranges"):
         topomap.home(here, goal, "area-centroid")

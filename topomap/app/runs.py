@@ -111,7 +111,7 @@ def _execute(
     robot: RecordedRobot, header: Header, config: RunConfig, folder: RunFolder, progress: Progress
 ) -> RunResult:
     """Run with a log that is closed whatever happens, then write map, summary and report."""
-    warm_up()
+    warm_up(config.stack)
     navigator = build_navigator(config.stack)
     try:
         with Recorder.of(folder.log, header, config.log) as recorder, stop_on_signal() as stopped:

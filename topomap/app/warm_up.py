@@ -12,6 +12,8 @@ import numpy as np
 from topomap.app.config import StackConfig
 from topomap.app.wiring import build_navigator
 from topomap.core.arrays import Float32Array, FloatArray, Image
+from topomap.core.panorama import Panorama
+from topomap.vision.registry import aligned_homing, aligner
 
 WIDTH, HEIGHT = 64, 24  # kernels are compiled by type, whatever the size
 AROUND, LAP = 60, 12.0  # steps and way [m] round the circle
@@ -50,15 +52,34 @@ class _Reading:
     driven: bool = True
 
 
+def warm_up(config: StackConfig | None = None) -> None:
+    """Compile what the stack will need: drive one round a made-up circle, once, then home by the settings' methods."""
+    _drive_round()
+    if config is not None:
+        _home(config)
+
+
 @cache
-def warm_up() -> None:
-    """Drive a stack of its own round a made-up circle till loops are closed, with ranges and without; once."""
+def _drive_round() -> None:
+    """Drive a stack of its own till loops are closed, with ranges and without."""
     for ranges in (True, False):
         navigator = build_navigator(StackConfig())
         views = [_view(place, ranges) for place in range(AROUND)]
         for k in range(ENOUGH):
             image, encoded, far = views[k % AROUND]
             navigator.step(_Reading((k + 1) * 200_000_000, image, encoded, far))
+
+
+def _home(config: StackConfig) -> None:
+    """Ask the methods that are named for one home vector; a user's own object is left alone, as it may keep count."""
+    here, there = (Panorama.from_recorded(image, _Rig(), far) for image, _, far in (_view(0, True), _view(1, True)))
+    if isinstance(config.mapper.aligner, str):
+        aligner(config.mapper.aligner).align(there, here, 0.0)
+    if isinstance(config.travel.homing, str) and isinstance(config.travel.aligner, str):
+        homing = aligned_homing(config.travel.homing, config.travel.aligner)
+        homing.home(there, here, 0.0)
+        if homing.policy is not None:
+            homing.move(homing.policy.start(here), there, 0.0)
 
 
 def _view(place: int, ranges: bool) -> tuple[Image, bytes, Float32Array | None]:

@@ -15,6 +15,7 @@ from topomap.mapping.places.recognition import Recognition, RecognitionSettings
 from topomap.mapping.places.snapshots import SnapshotSettings, View, make_rule
 from topomap.mapping.places.view_cache import ViewCache
 from topomap.mapping.track import Track
+from topomap.vision.choice import AlignerChoice
 from topomap.vision.contracts import Aligner
 from topomap.vision.image.compare import rotation_difference, signature
 
@@ -22,6 +23,7 @@ from topomap.vision.image.compare import rotation_difference, signature
 class MapperSettings(BaseModel, frozen=True, extra="forbid"):
     """All settings of the mapping wing."""
 
+    aligner: AlignerChoice = Field("min-warping", description="the compass that closures are measured by")
     snapshots: SnapshotSettings = Field(default_factory=SnapshotSettings)
     recognition: RecognitionSettings = Field(default_factory=RecognitionSettings)
     closing: ClosingSettings = Field(default_factory=ClosingSettings)

@@ -47,7 +47,7 @@ class _Approach:
 class ActiveCheck:
     """Takes the wheels for one pending candidate at a time, once for each, and tells the mapper what it saw.
 
-    The homing aligner must give home vectors as well (min-warping does).
+    homing: the traveller's own `AlignedHoming`, or any aligner that gives home vectors as well.
     """
 
     def __init__(self, settings: ActiveSettings, pilot: Pilot, homing: Aligner) -> None:
