@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 from logs.errors import LogError
 from logs.header import Header
@@ -36,10 +36,6 @@ from topomap.recording.run_reader import load_run
 from topomap.report.report import write_report
 
 Progress = Callable[[int], None]
-
-
-class RecordedRobot(Robot, TruthSource, Protocol):
-    """A robot whose truth may be recorded."""
 
 
 @dataclass(frozen=True)
@@ -73,12 +69,12 @@ def run_world(robot: SimRobot, seed: int, config: RunConfig, folder: RunFolder, 
         TrueCalibration(known.rotation_scale, known.distance_scale, known.curvature),
         robot.world.plan(),
     )
-    return _execute(robot, header, config, folder, progress)
+    return execute(robot, robot, header, config, folder, progress)
 
 
 def replay_log(robot: ReplayRobot, config: RunConfig, folder: RunFolder, progress: Progress) -> RunResult:
     """Take a log's readings through the stack again and write what a run writes; journeys are then not made anew."""
-    return _execute(robot, replace(robot.header, replayed=True), config, folder, progress)
+    return execute(robot, robot, replace(robot.header, replayed=True), config, folder, progress)
 
 
 def conclude(data: RunData, folder: RunFolder, interrupted: bool = False) -> RunResult:
@@ -94,28 +90,31 @@ def conclude(data: RunData, folder: RunFolder, interrupted: bool = False) -> Run
 
 
 class _Watch:
-    """Hands each step to the recorder, with the truth, and to the progress bar."""
+    """Hands each step to the recorder and to the progress bar."""
 
-    def __init__(self, recorder: RunRecorder, truth: TruthSource, progress: Progress) -> None:
-        self.recorder, self._truth, self._progress = recorder, truth, progress
+    def __init__(self, recorder: RunRecorder, progress: Progress) -> None:
+        self.recorder, self._progress = recorder, progress
         self.steps = 0
         self.last: StepRecord | None = None
 
     def observe(self, reading: Reading, record: StepRecord) -> None:
-        self.recorder.observe(reading, record, self._truth.truth())
+        self.recorder.observe(reading, record)
         self.steps, self.last = self.steps + 1, record
         self._progress(self.steps)
 
 
-def _execute(
-    robot: RecordedRobot, header: Header, config: RunConfig, folder: RunFolder, progress: Progress
+def execute(
+    robot: Robot, truth: TruthSource | None, header: Header, config: RunConfig, folder: RunFolder, progress: Progress
 ) -> RunResult:
-    """Run with a log that is closed whatever happens, then write map, summary and report."""
+    """Run with a log that is closed whatever happens, then write map, summary and report. Raises DataError.
+
+    truth: goes into the log, where there is one; the stack never sees it.
+    """
     warm_up()
     navigator = build_navigator(config.stack)
     try:
         with Recorder.of(folder.log, header, config.log) as recorder, stop_on_signal() as stopped:
-            watch = _Watch(RunRecorder(recorder, lambda: _nodes(navigator)), robot, progress)
+            watch = _Watch(RunRecorder(recorder, lambda: _nodes(navigator), truth), progress)
             began = time.perf_counter()
             run(robot, navigator, (watch,), stopped)
             _finish(navigator, watch, time.perf_counter() - began, folder)

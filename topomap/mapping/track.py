@@ -34,7 +34,9 @@ class Track:
         Raises DataError for a stamp that isn't later than the one before and for an increment that isn't numbers.
         """
         self._check(stamp_ns, reading)
-        motion = Motion(reading.forward, reading.left, reading.turn, reading.covariance, reading.dt)
+        # plain numbers, as the log hands them back: NumPy's would print otherwise and give the map another hash
+        way = float(reading.forward), float(reading.left), float(reading.turn)
+        motion = Motion(*way, np.asarray(reading.covariance, np.float64), float(reading.dt))
         corrected = self.map.calibration.correct(motion)
         self.turn = corrected.turn
         if self.map.nodes:

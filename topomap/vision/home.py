@@ -36,7 +36,7 @@ def home(current: Panorama, goal: Panorama, method: str = "auto") -> HomeVector:
     return HomeVector(bearing, found.distance, found.confidence)
 
 
-def load(path: Path | str, horizon_row: float | None = None) -> Panorama:
+def load_panorama(path: Path | str, horizon_row: float | None = None) -> Panorama:
     """Return a panorama from an image file whose centre column looks ahead and whose columns run clockwise.
 
     horizon_row: the row of eye level, the middle if None. Raises DataError.
