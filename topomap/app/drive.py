@@ -57,12 +57,13 @@ def replay(
     """Take a log's readings through the stack again; with the same settings the summary's graph hash is the same.
 
     out: folder for what a run writes, `replay` beside the log where none is given; settings: words as
-    `stack.mapper.snapshots.threshold=0.6`. Raises DataError, ConfigError.
+    `stack.mapper.snapshots.threshold=0.6`. Settings of an old log that are no more are told in the result's notes.
+    Raises DataError, ConfigError.
     """
     path = Path(log)
-    robot, chosen = open_log(path, settings)
+    stored = open_log(path, settings)
     folder = RunFolder.create(path.parent / "replay" if out is None else Path(out), keep=path)
-    return replay_log(robot, chosen, folder, progress)
+    return replay_log(stored, folder, progress)
 
 
 class _Ready:

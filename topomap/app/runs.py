@@ -16,9 +16,10 @@ from logs.replay import ReplayRobot
 from sim2d import worlds
 from sim2d.errors import WorldError
 from sim2d.robot import SimRobot
-from topomap.app.config import RunConfig, parse_config
+from topomap.app.config import RunConfig
 from topomap.app.folder import RunFolder
 from topomap.app.interrupt import stop_on_signal
+from topomap.app.stored_config import parse_stored
 from topomap.app.warm_up import warm_up
 from topomap.app.wiring import build_navigator, versions
 from topomap.core.errors import DataError
@@ -40,12 +41,13 @@ Progress = Callable[[int], None]
 
 @dataclass(frozen=True)
 class RunResult:
-    """A finished run: its folder, its summary, whether it was interrupted, and the files it wrote for people."""
+    """A finished run: its folder, its summary, whether it was interrupted, the files it wrote, and notes for people."""
 
     folder: RunFolder
     summary: dict[str, Any]
     interrupted: bool
     files: tuple[Path, ...]
+    notes: tuple[str, ...] = ()
 
 
 def open_world(name: str, seed: int, config: RunConfig) -> SimRobot:
@@ -72,9 +74,11 @@ def run_world(robot: SimRobot, seed: int, config: RunConfig, folder: RunFolder, 
     return execute(robot, robot, header, config, folder, progress)
 
 
-def replay_log(robot: ReplayRobot, config: RunConfig, folder: RunFolder, progress: Progress) -> RunResult:
+def replay_log(stored: StoredRun, folder: RunFolder, progress: Progress) -> RunResult:
     """Take a log's readings through the stack again and write what a run writes; journeys are then not made anew."""
-    return execute(robot, robot, replace(robot.header, replayed=True), config, folder, progress)
+    robot = stored.robot
+    result = execute(robot, robot, replace(robot.header, replayed=True), stored.config, folder, progress)
+    return replace(result, notes=stored.notes)
 
 
 def conclude(data: RunData, folder: RunFolder, interrupted: bool = False) -> RunResult:
@@ -157,16 +161,27 @@ def _nodes(navigator: Navigator) -> list[tuple[int, Pose2, bool]]:
     return [(i, topo.pose(i), node.snapshot is not None) for i, node in enumerate(topo.nodes)]
 
 
-def open_log(path: Path, settings: Iterable[str] = ()) -> tuple[ReplayRobot, RunConfig]:
-    """Return a log as a robot, and its stored configuration changed by `section.key=value` words.
+@dataclass(frozen=True)
+class StoredRun:
+    """A log as a robot, its configuration, and a line for each of its settings that is no more."""
+
+    robot: ReplayRobot
+    config: RunConfig
+    notes: tuple[str, ...]
+
+
+def open_log(path: Path, settings: Iterable[str] = ()) -> StoredRun:
+    """Return a log that can be replayed, its stored configuration changed by `section.key=value` words.
 
     Raises DataError or ConfigError.
     """
     try:
         robot = ReplayRobot(path)
-        return robot, parse_config(json.loads(robot.header.config), f"{path}: its stored configuration", settings)
+        stored = json.loads(robot.header.config)
+        config, notes = parse_stored(stored, f"{path}: its stored configuration", settings)
     except LogError as error:
         raise DataError(str(error)) from error
+    return StoredRun(robot, config, notes)
 
 
 def report_log(path: Path, out: Path) -> RunResult:

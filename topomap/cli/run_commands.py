@@ -49,10 +49,10 @@ def replay(
     from topomap.app import runs
     from topomap.app.folder import RunFolder
 
-    robot, chosen = runs.open_log(log, settings)
+    stored = runs.open_log(log, settings)
     folder = RunFolder.create(out or log.parent / "replay", keep=log)
-    with progress("replay", robot.steps) as advance:
-        result = runs.replay_log(robot, chosen, folder, advance)
+    with progress("replay", stored.robot.steps) as advance:
+        result = runs.replay_log(stored, folder, advance)
     show(result)
     same = runs.same_hash(log, result.summary)
     if same is not None:
@@ -109,5 +109,7 @@ def show(result: RunResult) -> None:
     table(table_rows(result.summary), str(result.summary["world"]))
     for path in result.files:
         console.print(str(path), soft_wrap=True)
+    for note in result.notes:
+        console.print(f"Note: {note}", soft_wrap=True, markup=False, highlight=False)
     if result.interrupted:
         raise typer.Exit(130)
