@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pydantic import BaseModel, Field
+from pydantic import BaseModel
 
 from topomap.core.errors import TopomapError
 from topomap.core.geometry import wrap
@@ -10,31 +10,35 @@ from topomap.core.panorama import Panorama
 from topomap.core.records import Command, Goal, HomeVector, Phase, Travel, Where
 from topomap.mapping.mapper import Mapper
 from topomap.navigation import planner
-from topomap.navigation.arrival import Arrival, ArrivalSettings
+from topomap.navigation.arrival import Arrival
 from topomap.navigation.pilot import Pilot, PilotSettings
 from topomap.vision.contracts import Aligner
 from topomap.vision.image.aligned_difference import aligned_difference
 
+GOAL_SPEED = 0.2
+"""[m/s] Limit on the last leg: a step of 0.25 s is then 5 cm, and so the minimum is met to a few centimetres."""
+LEG_STEPS = 80
+"""Steps after which a leg is given up: snapshots are at most 1 m apart, 10 steps at 0.4 m/s, 20 on the last leg."""
+STALE_STEPS = 35
+"""Steps without a new minimum after which a leg is given up: 3.5 m at 0.4 m/s, room for a way round an obstacle."""
+RECOVERIES = 3
+"""How often a given-up leg leads to a new plan before the journey is given up."""
+
 
 class TravelSettings(BaseModel, frozen=True, extra="forbid"):
-    """How a journey is made and when it is given up."""
+    """How a journey is made."""
 
     pilot: PilotSettings = PilotSettings()
-    arrival: ArrivalSettings = ArrivalSettings()
-    goal_speed: float = Field(0.2, gt=0, description="speed limit on the last leg [m/s]")
-    leg_steps: int = Field(80, ge=5, description="steps after which a leg is given up")
-    stale_steps: int = Field(35, ge=5, description="steps without a new minimum after which a leg is given up")
-    recoveries: int = Field(3, ge=0, description="how often a given-up leg leads to a new plan before giving up")
 
 
 class _Leg:
     """One milestone: the view to home to, and what homing has seen on the way."""
 
-    def __init__(self, node: int, view: Panorama, heading: float, arrival: ArrivalSettings) -> None:
+    def __init__(self, node: int, view: Panorama, heading: float) -> None:
         self.node = node
         self.view = view
         self.rotation = heading  # the robot's heading minus the milestone's, kept up to date by compass and odometry
-        self.arrival = Arrival(arrival)
+        self.arrival = Arrival()
         self.steps = 0
 
 
@@ -45,7 +49,6 @@ class Traveller:
     """
 
     def __init__(self, settings: TravelSettings, homing: Aligner) -> None:
-        self._s = settings
         self._pilot = Pilot(settings.pilot)
         self._homing = homing
         self._route: list[int] | None = None
@@ -80,10 +83,10 @@ class Traveller:
         difference = aligned_difference(panorama, leg.view, alignment.rotation)
         if leg.arrival.update(difference):
             return self._arrive(difference)
-        if leg.steps > self._s.leg_steps or leg.arrival.since_minimum > self._s.stale_steps:
+        if leg.steps > LEG_STEPS or leg.arrival.since_minimum > STALE_STEPS:
             return self._recover(difference, where)
         home = alignment.home or HomeVector(0.0, confidence=0.0)
-        speed = self._s.goal_speed if len(route) == 1 else None
+        speed = GOAL_SPEED if len(route) == 1 else None
         command = self._pilot.steer(home.bearing, panorama.ranges, speed)
         return command, Travel(Phase.TRAVEL, leg.node, home, difference, len(route))
 
@@ -101,7 +104,7 @@ class Traveller:
     def _leg_to(self, node: int, where: Where, mapper: Mapper) -> _Leg:
         if self._leg is None or self._leg.node != node:
             heading = wrap(where.pose.heading - mapper.map.pose(node).heading)
-            self._leg = _Leg(node, mapper.view_cache.panorama(node), heading, self._s.arrival)
+            self._leg = _Leg(node, mapper.view_cache.panorama(node), heading)
         return self._leg
 
     def _arrive(self, difference: float) -> tuple[Command, Travel]:
@@ -116,6 +119,6 @@ class Traveller:
         assert self._leg
         node, self._leg, self._route = self._leg.node, None, None
         self._recoveries += 1
-        if self._recoveries > self._s.recoveries:
+        if self._recoveries > RECOVERIES:
             return Command(), Travel(Phase.FAILED, node, None, difference, 0, f"gave up on the way to node {node}")
         return Command(), Travel(Phase.TRAVEL, node, None, difference, 0, f"leg to node {node} given up: new plan")
