@@ -16,14 +16,20 @@ from topomap.core.geometry import Pose2
 from topomap.core.panorama import Panorama
 from topomap.core.records import Alignment, Goal, HomeVector, Phase, Travel, Where
 from topomap.mapping.mapper import Mapper
-from topomap.navigation import traveller
-from topomap.navigation.arrival import ArrivalSettings
+from topomap.navigation import arrival, traveller
 from topomap.navigation.traveller import Traveller, TravelSettings
 from topomap.vision.aligned_homing import AlignedHoming
 from topomap.vision.homing import Needs
 
 GOAL = Goal(Phase.TRAVEL, 0)
-NEVER = TravelSettings(arrival=ArrivalSettings(same=1e-9, minimum_below=1e-9))
+NEVER = TravelSettings()
+
+
+@pytest.fixture(autouse=True)
+def never_there(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No view is like the milestone's, so that no leg ends by arrival."""
+    monkeypatch.setattr(arrival, "SAME", 1e-9)
+    monkeypatch.setattr(arrival, "MINIMUM_BELOW", 1e-9)
 
 
 @dataclass(frozen=True)
@@ -112,9 +118,9 @@ def test_where_a_method_says_nothing_the_map_leads_and_the_method_may_speak_agai
     assert [travel.home.bearing for travel in quiet if travel.home] == pytest.approx([math.pi, math.pi])
 
 
-def test_a_leg_that_homing_gave_up_is_tried_again_by_the_map() -> None:
-    short = TravelSettings(arrival=NEVER.arrival, leg_steps=5)
-    robot, seen = Traveller(short, method(2.0)), TellingViews().view(2.0, 0.0, 0.0)
+def test_a_leg_that_homing_gave_up_is_tried_again_by_the_map(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(traveller, "LEG_STEPS", 5)
+    robot, seen = Traveller(NEVER, method(2.0)), TellingViews().view(2.0, 0.0, 0.0)
     travels = [robot.step(seen, 0.0, Where(FAR, 0, 0.5, 0.0), GOAL, mapper())[1] for _ in range(8)]
     assert [travel.home.bearing for travel in travels[:5] if travel.home] == pytest.approx([2.0] * 5)
     assert "given up" in travels[5].note
@@ -137,7 +143,11 @@ def test_a_lack_is_said_at_the_first_view_of_the_lesson_only() -> None:
     later.step(blind, 0.0, here, Goal(Phase.TEACH), mapper())
 
 
-def test_a_policys_leg_counts_looks_and_ends_after_a_round_without_a_new_minimum() -> None:
+def test_a_policys_leg_counts_looks_and_ends_after_a_round_without_a_new_minimum(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(arrival, "MINIMUM_BELOW", 0.55)
+
     class Stays:
         needs = Needs()
         claims_homing = True
@@ -148,7 +158,7 @@ def test_a_policys_leg_counts_looks_and_ends_after_a_round_without_a_new_minimum
         def step(self, state: int, current: Panorama) -> tuple[int, HomeVector]:
             return state + 1, HomeVector(0.0, 0.0)
 
-    robot = Traveller(TravelSettings(arrival=ArrivalSettings(same=1e-9)), AlignedHoming(KnowingCompass(), Stays()))
+    robot = Traveller(NEVER, AlignedHoming(KnowingCompass(), Stays()))
     seen, where = TellingViews().view(0.0, 0.0, 0.0), Where(Pose2(), 0, 0.5, 0.0)
     travels = [robot.step(seen, 0.0, where, GOAL, mapper())[1] for _ in range(14)]
     arrived = next((k for k, travel in enumerate(travels) if travel.phase is Phase.ARRIVED), None)

@@ -5,11 +5,12 @@ from __future__ import annotations
 from pydantic import BaseModel, Field
 
 from topomap.core.panorama import Panorama
+from topomap.core.recorded import RecordedRig
 from topomap.core.records import Candidate, Decision, MapChange, NodeAdded, PlaceMatch
 from topomap.core.robot import Reading
 from topomap.mapping.closures.ledger import Ledger
 from topomap.mapping.closures.online import Closing, ClosingSettings
-from topomap.mapping.graph import RecordedRig, Snapshot, TopoMap
+from topomap.mapping.graph import Snapshot, TopoMap
 from topomap.mapping.optimisation import Optimisation, OptimisationSettings
 from topomap.mapping.places.recognition import Recognition, RecognitionSettings
 from topomap.mapping.places.snapshots import SnapshotSettings, View, make_rule

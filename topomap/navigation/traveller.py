@@ -12,7 +12,7 @@ from topomap.core.panorama import Panorama
 from topomap.core.records import Command, Goal, HomeVector, Phase, Travel, Where
 from topomap.mapping.mapper import Mapper
 from topomap.navigation import planner
-from topomap.navigation.arrival import Arrival, ArrivalSettings
+from topomap.navigation.arrival import Arrival
 from topomap.navigation.manoeuvres.policy_drive import PolicyDrive
 from topomap.navigation.pilot import Pilot, PilotSettings
 from topomap.vision.aligned_homing import AlignedHoming
@@ -20,20 +20,24 @@ from topomap.vision.choice import CompassChoice, HomingChoice, found
 from topomap.vision.image.aligned_difference import aligned_difference
 from topomap.vision.registry import aligned_homing
 
+GOAL_SPEED = 0.2
+"""[m/s] Limit on the last leg: a step of 0.25 s is then 5 cm, and so the minimum is met to a few centimetres."""
+LEG_STEPS = 80
+"""Steps after which a leg is given up: snapshots are at most 1 m apart, 10 steps at 0.4 m/s, 20 on the last leg."""
+STALE_STEPS = 35
+"""Steps without a new minimum after which a leg is given up: 3.5 m at 0.4 m/s, room for a way round an obstacle."""
+RECOVERIES = 3
+"""How often a given-up leg leads to a new plan before the journey is given up."""
+
 
 class TravelSettings(BaseModel, frozen=True, extra="forbid"):
-    """How a journey is made and when it is given up."""
+    """How a journey is made."""
 
     homing: HomingChoice = Field("min-warping", description="the method that homes, by its name in `topomap methods`")
     aligner: CompassChoice = Field(
         "own", description="the aligner it is given its rotation by; own: the method's own, or min-warping"
     )
     pilot: PilotSettings = PilotSettings()
-    arrival: ArrivalSettings = ArrivalSettings()
-    goal_speed: float = Field(0.2, gt=0, description="speed limit on the last leg [m/s]")
-    leg_steps: int = Field(80, ge=5, description="steps after which a leg is given up")
-    stale_steps: int = Field(35, ge=5, description="steps without a new minimum after which a leg is given up")
-    recoveries: int = Field(3, ge=0, description="how often a given-up leg leads to a new plan before giving up")
 
     @model_validator(mode="after")
     def _fit(self) -> TravelSettings:
@@ -62,7 +66,6 @@ class _Leg:
         node: int,
         view: Panorama,
         heading: float,
-        arrival: ArrivalSettings,
         drive: PolicyDrive | None,
         astray: bool,
     ) -> None:
@@ -70,8 +73,7 @@ class _Leg:
         self.view = view
         self.rotation = heading  # the robot's heading minus the milestone's, kept up to date by compass and odometry
         self.drive = drive
-        rounds = {"rise_steps": POLICY_REST, "rest_steps": POLICY_REST}
-        self.arrival = Arrival(arrival.model_copy(update=rounds) if drive else arrival)
+        self.arrival = Arrival(POLICY_REST, POLICY_REST) if drive else Arrival()
         self.steps = 0
         self.astray = astray  # homing leads away from the milestone: the rest of the leg goes by the map
 
@@ -118,7 +120,7 @@ class Traveller:
             return Command(), Travel(Phase.ARRIVED, goal, note="already there")
         leg = self._leg_to(route[0], where, mapper)
         leg.rotation = wrap(leg.rotation + turn)
-        speed = self._s.goal_speed if len(route) == 1 else None
+        speed = GOAL_SPEED if len(route) == 1 else None
         if leg.drive is not None and leg.drive.moving(mapper.track.raw):
             return self._drive(leg.drive, panorama, mapper, speed), Travel(Phase.TRAVEL, leg.node, legs_left=len(route))
         leg.steps += 1
@@ -127,7 +129,7 @@ class Traveller:
         difference = aligned_difference(panorama, leg.view, alignment.rotation)
         if leg.arrival.update(difference):
             return self._arrive(difference)
-        if leg.steps > self._s.leg_steps or leg.arrival.since_minimum > self._s.stale_steps:
+        if leg.steps > LEG_STEPS or leg.arrival.since_minimum > STALE_STEPS:
             return self._recover(difference, where)
         if leg.drive is not None:
             home = leg.drive.look(panorama, leg.rotation, mapper.track.raw)
@@ -173,7 +175,7 @@ class Traveller:
             heading = wrap(where.pose.heading - mapper.map.pose(node).heading)
             view = mapper.view_cache.panorama(node)
             drive = PolicyDrive(self._homing, view, self._pilot) if self._homing.policy else None
-            self._leg = _Leg(node, view, heading, self._s.arrival, drive, node in self._given_up)
+            self._leg = _Leg(node, view, heading, drive, node in self._given_up)
         return self._leg
 
     def _arrive(self, difference: float) -> tuple[Command, Travel]:
@@ -189,6 +191,6 @@ class Traveller:
         node, self._leg, self._route = self._leg.node, None, None
         self._recoveries += 1
         self._given_up.add(node)
-        if self._recoveries > self._s.recoveries:
+        if self._recoveries > RECOVERIES:
             return Command(), Travel(Phase.FAILED, node, None, difference, 0, f"gave up on the way to node {node}")
         return Command(), Travel(Phase.TRAVEL, node, None, difference, 0, f"leg to node {node} given up: new plan")

@@ -30,7 +30,7 @@ def home(current: Panorama, goal: Panorama, method: str | Method | Aligner = "au
     return homing.move(homing.policy.start(goal), current, homing.aligner.align(current, goal).rotation)[1]
 
 
-def load(path: Path | str, horizon_row: float | None = None) -> Panorama:
+def load_panorama(path: Path | str, horizon_row: float | None = None) -> Panorama:
     """Return a panorama from an image file whose centre column looks ahead and whose columns run clockwise.
 
     horizon_row: the row of eye level, the middle if None. Raises DataError.
