@@ -9,8 +9,16 @@ import numpy as np
 from scipy.special import chdtri
 
 from topomap.core.arrays import FloatArray, IntArray
+from topomap.core.geometry import between, wrap_all
 from topomap.mapping.closures.claims import Claims
-from topomap.mapping.closures.odds import log_chance, log_crowding, log_density, mahalanobis
+from topomap.mapping.closures.odds import (
+    FALSE_DISTANCE,
+    FALSE_ROTATION,
+    log_chance,
+    log_crowding,
+    log_density,
+    mahalanobis,
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -90,6 +98,27 @@ class Odometry:
 
 
 @dataclass(frozen=True, slots=True)
+class Apart:
+    """Refuses what would be a false closure by its definition: the map has the places farther from what is claimed.
+
+    Heavy tails let through what is off by several sigmas; more than 1 m or 20 degrees of it is another place, unless
+    claim and map are as vague as that.
+    """
+
+    name: str = "apart"
+    lowers: bool = True
+
+    def weigh(self, claims: Claims, knowledge: Knowledge) -> FloatArray:
+        """Return 0 or minus infinity (n,)."""
+        missed = between(knowledge.poses[claims.i], knowledge.poses[claims.j]) - claims.relative
+        far = np.hypot(missed[:, 0], missed[:, 1]) > FALSE_DISTANCE
+        turned = ~claims.blind & (np.abs(wrap_all(missed[:, 2])) > FALSE_ROTATION)
+        chi2, _ = mahalanobis(claims, knowledge.poses, knowledge.errors)
+        sure = chi2 > chdtri(np.where(claims.blind, 2, 3), 0.01)
+        return np.where((far | turned) & sure, -np.inf, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
 class Crowding:
     """How many other places stand as the claim says: where places lie on a lattice, false claims fit more often."""
 
@@ -127,4 +156,4 @@ class Gate:
         return np.where(chi2 <= chdtri(np.where(claims.blind, 2, 3), 1 - self.probability), 0.0, -np.inf)
 
 
-TESTS: tuple[ClosureTest, ...] = (Looks(), Prevalence(), Odometry(), Crowding())
+TESTS: tuple[ClosureTest, ...] = (Looks(), Prevalence(), Odometry(), Apart(), Crowding())

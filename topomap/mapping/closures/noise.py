@@ -15,7 +15,7 @@ from topomap.mapping.uncertainty.odometry_chain import Chain
 LONGEST = 64.0  # a claim's own loop with odometry is at most so long [m]: longer ones rest on odometry's drift
 ASKED = 4000  # claims whose loops are heard: enough for a variance to 3 %
 STARTS = (1.0, 1e-1, 1e-2, 1e-3, 1e-4)
-ROUNDS, FEWEST = 30, 10
+ROUNDS, FEWEST = 30, 30
 # of the true loops, up to the limit of a claim that fits; more than their mean square where tails are heavy
 SHARE = 0.99
 WIDER = 30.0  # times the scale of true loops is that of false ones between near places at least
@@ -27,7 +27,7 @@ def variance_factor(claims: Claims, chain: Chain) -> float:
 
     Short loops, through two neighbouring claims and odometry or through one and odometry, miss of closing by the noise
     if they are true and by anything if one is false: a mixture of the two is fitted (expectation and maximisation) from
-    several starts. With fewer than 10 true loops the statement stands: 1. The claims stand in order of i, then of j.
+    several starts. With fewer than 30 true loops the statement stands: 1. The claims stand in order of i, then of j.
     """
     asked = np.unique(np.linspace(0, len(claims) - 1, min(ASKED, len(claims))).astype(np.int64))
     a, _, between = loops_of(claims, chain, asked, WORST)
@@ -69,8 +69,9 @@ def _mixture(chi2: FloatArray, peak: FloatArray, scale: float) -> tuple[float, f
         scale = max(float(pull @ chi2) / max(3 * float(weights[0].sum()), 1e-12), 1e-12)
         wide = max(float(weights[1] @ chi2) / max(3 * float(weights[1].sum()), 1e-12), WIDER * scale)
     total = np.cumsum(weights[0][order])
-    last = min(int(np.searchsorted(total, SHARE * total[-1])), len(order) - 1)
-    return likelihood, float(chi2[order][last]) / float(chdtri(3, 1 - SHARE)), float(total[-1])
+    share = min(SHARE, 1.0 - 0.5 / max(float(total[-1]), 1.0))  # of a few loops the last one isn't the 99th in 100
+    last = min(int(np.searchsorted(total, share * total[-1])), len(order) - 1)
+    return likelihood, float(chi2[order][last]) / float(chdtri(3, 1 - share)), float(total[-1])
 
 
 def _log_t(chi2: FloatArray, peak: FloatArray, scale: float) -> FloatArray:
