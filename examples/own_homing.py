@@ -26,6 +26,5 @@ class Openness:
 robot = open_world("hall", 0, load_config(None, ["sim.driver.laps=0.1"]))
 navigator = build_navigator(StackConfig(travel=TravelSettings(homing=Openness())))
 steps = run(robot, navigator)
-print(
-    f"{navigator.phase} after {steps} steps, off by {math.dist((robot.truth().x, robot.truth().y), (7.0, 4.0)):.2f} m"
-)
+off = math.dist((robot.truth().x, robot.truth().y), (7.0, 4.0))
+print(f"{navigator.phase} after {steps} steps, off by {off:.2f} m")

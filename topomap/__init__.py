@@ -17,7 +17,10 @@ if TYPE_CHECKING:
     from topomap.core.records import Alignment, Command, HomeVector, Motion
     from topomap.core.robot import Robot
     from topomap.core.run_data import RunData
+    from topomap.datasets.g2o import read_graph
+    from topomap.mapping.closures.closure_tests import TESTS, ClosureTest
     from topomap.mapping.graph import TopoMap
+    from topomap.mapping.graph_engine import optimise_graph
     from topomap.mapping.mapfile import load_map, save_map
     from topomap.mapping.mapper import Mapper
     from topomap.navigation.navigator import Navigator
@@ -32,6 +35,7 @@ __version__ = version("topomap")
 _LAZY = {
     "ALIGNERS": "topomap.vision.compass:ALIGNERS",
     "Alignment": "topomap.core.records:Alignment",
+    "ClosureTest": "topomap.mapping.closures.closure_tests:ClosureTest",
     "Command": "topomap.core.records:Command",
     "Finding": "topomap.navigation.robot_check:Finding",
     "HomeVector": "topomap.core.records:HomeVector",
@@ -47,6 +51,7 @@ _LAZY = {
     "RunConfig": "topomap.app.config:RunConfig",
     "RunData": "topomap.core.run_data:RunData",
     "RunResult": "topomap.app.runs:RunResult",
+    "TESTS": "topomap.mapping.closures.closure_tests:TESTS",
     "TopoMap": "topomap.mapping.graph:TopoMap",
     "TopomapError": "topomap.core.errors:TopomapError",
     "build_navigator": "topomap.app.wiring:build_navigator",
@@ -57,14 +62,16 @@ _LAZY = {
     "load_map": "topomap.mapping.mapfile:load_map",
     "load_panorama": "topomap.vision.home:load_panorama",
     "load_run": "topomap.recording.run_reader:load_run",
+    "optimise_graph": "topomap.mapping.graph_engine:optimise_graph",
+    "read_graph": "topomap.datasets.g2o:read_graph",
     "replay": "topomap.app.drive:replay",
     "save_map": "topomap.mapping.mapfile:save_map",
 }
 __all__ = [
-    "ALIGNERS", "METHODS", "Alignment", "Command", "Finding", "HomeVector", "Mapper", "Motion", "Navigator", "Panorama",
-    "Pose2", "Reading", "Rig", "Robot", "RunConfig", "RunData", "RunResult", "TopoMap", "TopomapError", "__version__",
-    "build_navigator", "check_robot", "drive", "home", "load_config", "load_map", "load_panorama", "load_run", "replay",
-    "save_map",
+    "ALIGNERS", "METHODS", "TESTS", "Alignment", "ClosureTest", "Command", "Finding", "HomeVector", "Mapper",
+    "Motion", "Navigator", "Panorama", "Pose2", "Reading", "Rig", "Robot", "RunConfig", "RunData", "RunResult", "TopoMap",
+    "TopomapError", "__version__", "build_navigator", "check_robot", "drive", "home", "load_config", "load_map",
+    "load_panorama", "load_run", "optimise_graph", "read_graph", "replay", "save_map",
 ]  # fmt: skip
 
 

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from pydantic import BaseModel, Field
 
 from topomap.core.panorama import Panorama
 from topomap.core.recorded import RecordedRig
 from topomap.core.records import Candidate, Decision, MapChange, NodeAdded, PlaceMatch
 from topomap.core.robot import Reading
+from topomap.mapping.closures.closure_tests import ClosureTest
 from topomap.mapping.closures.ledger import Ledger
 from topomap.mapping.closures.online import Closing, ClosingSettings
 from topomap.mapping.graph import Snapshot, TopoMap
@@ -34,7 +37,8 @@ class MapperSettings(BaseModel, frozen=True, extra="forbid"):
 class Mapper:
     """Surveys the route, keeps snapshots, recognises places, closes loops and applies solutions."""
 
-    def __init__(self, settings: MapperSettings, aligner: Aligner) -> None:
+    def __init__(self, settings: MapperSettings, aligner: Aligner, tests: Sequence[ClosureTest] = ()) -> None:
+        """tests: of closures, a user's own, asked before odometry is."""
         self.map = TopoMap()
         self.view_cache = ViewCache(self.map)
         self.ledger = Ledger()
@@ -43,7 +47,9 @@ class Mapper:
         self._settings = settings.snapshots
         self._rule = make_rule(settings.snapshots)
         self._recognition = Recognition(settings.recognition)
-        self._closing = Closing(settings.closing, aligner, self.track, self.view_cache, self.ledger, self.optimisation)
+        self._closing = Closing(
+            settings.closing, aligner, self.track, self.view_cache, self.ledger, self.optimisation, tests
+        )
         self._previous: Panorama | None = None
         self._last_snapshot = -1
         self._kept_at = 0.0

@@ -204,7 +204,7 @@ class Batch:
         return np.sort(best[(false <= FALSE) | (self._odds[best] >= np.where(back, LIKELY, SURE))])
 
     def _beside_standing(self, network: PathNetwork) -> tuple[FloatArray, BoolArray]:
-        """Return errors (M, 3, 3) about the origin for the members of standing clusters, and which claims (M,) these are.
+        """Return errors (M, 3, 3) about the origin for members of standing clusters, and which claims (M,) these are.
 
         A member's path leads over the closure of the same cluster beside it: no search is needed for each of thousands.
         """
