@@ -68,8 +68,8 @@ _LAZY = {
     "save_map": "topomap.mapping.mapfile:save_map",
 }
 __all__ = [
-    "ALIGNERS", "METHODS", "TESTS", "Alignment", "ClosureTest", "Command", "Finding", "HomeVector", "Mapper",
-    "Motion", "Navigator", "Panorama", "Pose2", "Reading", "Rig", "Robot", "RunConfig", "RunData", "RunResult", "TopoMap",
+    "ALIGNERS", "METHODS", "TESTS", "Alignment", "ClosureTest", "Command", "Finding", "HomeVector", "Mapper", "Motion",
+    "Navigator", "Panorama", "Pose2", "Reading", "Rig", "Robot", "RunConfig", "RunData", "RunResult", "TopoMap",
     "TopomapError", "__version__", "build_navigator", "check_robot", "drive", "home", "load_config", "load_map",
     "load_panorama", "load_run", "optimise_graph", "read_graph", "replay", "save_map",
 ]  # fmt: skip

@@ -185,7 +185,7 @@ def test_the_face_is_light_and_complete() -> None:
     assert done.stdout == "[]\n"
     for name in topomap.__all__:
         assert getattr(topomap, name) is not None, name
-    assert 20 <= len(topomap.__all__) <= 32
+    assert 20 <= len(topomap.__all__) <= 36
     assert set(topomap.__all__) <= set(dir(topomap))
     with pytest.raises(AttributeError, match="it offers"):
         topomap.nonsense  # noqa: B018

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.special import expit
@@ -15,6 +15,7 @@ from topomap.mapping.closures.clusters import STRIDE, Clusters, clusters_of
 from topomap.mapping.closures.drive import Drive, MapState
 from topomap.mapping.closures.engine import ClosureEngine
 from topomap.mapping.closures.odds import mahalanobis
+from topomap.mapping.closures.placing import placed
 from topomap.mapping.closures.prevalence import GATE, allowed_by_chance, log_prevalence
 from topomap.mapping.closures.strain import strained
 from topomap.mapping.optimizer import OptimizerSettings
@@ -155,7 +156,7 @@ class Batch:
         chosen = np.zeros(len(self._clusters), bool)
         chosen[label[new]] = chosen[label[self._standing]] = True
         some = self._clusters.representatives
-        self._solve(some[chosen[label[some]]], GROWING)
+        self._pull(some[chosen[label[some]]])
         chosen[label[self._standing]] = False
         self._tries[chosen] += 1
 
@@ -170,15 +171,23 @@ class Batch:
         suspected = np.zeros(len(self._clusters), bool)
         for turn in range(SETTLINGS):
             self._told(0.7 + 0.3 * turn / SETTLINGS, f"{len(self._standing)} closures, settling")
-            before = len(self._standing)
-            self._solve(self._likely_of_all(suspected), CLOSING)
+            before, likely = len(self._standing), self._likely_of_all(suspected)
+            if not before:  # all were taken out: what comes back has as far to pull as at first
+                self._pull(likely)
+            self._solve(likely, CLOSING)
             tense = self._strained() & ~suspected
             if turn == SETTLINGS - 1 or (not tense.any() and len(self._standing) <= before * (1 + SETTLED)):
                 break
             if tense.any():
-                suspected |= tense
+                suspected = suspected | tense
                 self._solve(self._standing[~tense[self._clusters.label[self._standing]]], CLOSING)
         return np.asarray(np.isin(np.arange(len(self._claims)), self._standing))
+
+    def _pull(self, closures: IntArray) -> None:
+        """Begin a solve with closures that the map may stand far from."""
+        own = self._claims[closures]
+        self._map = replace(self._map, poses=placed(self._map.poses, self._drive.chain(self._map), own))
+        self._solve(closures, GROWING)
 
     def _strained(self) -> BoolArray:
         """Return which clusters (K,) strain the map."""

@@ -91,10 +91,15 @@ class Odometry:
     lowers: bool = True
 
     def weigh(self, claims: Claims, knowledge: Knowledge) -> FloatArray:
-        """Return the log density of each claim (n,) by the map over that of any claim."""
+        """Return the log density of each claim (n,) by the map over that of any claim.
+
+        Where the map knows nothing, as across a gap in the odometry, a true claim is no less likely than any other.
+        """
         chi2, determinant = mahalanobis(claims, knowledge.poses, knowledge.errors)
         blind = claims.blind
-        return log_density(chi2, determinant, blind) - log_chance(knowledge.poses, blind)
+        even = log_chance(knowledge.poses, blind)
+        peak = log_density(np.zeros(len(claims)), determinant, blind)
+        return log_density(chi2, determinant, blind) - peak + np.maximum(peak, even) - even
 
 
 @dataclass(frozen=True, slots=True)
