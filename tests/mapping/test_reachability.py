@@ -12,7 +12,7 @@ from topomap.mapping.graph import Node, TopoMap
 from topomap.mapping.odometry.increments import Calibration
 from topomap.mapping.optimizer import TurnEdge
 from topomap.mapping.uncertainty.incremental_chain import IncrementalChain
-from topomap.mapping.uncertainty.odometry_chain import Chain, carried_to_origin, composed_covariance
+from topomap.mapping.uncertainty.odometry_chain import Chain, carried_to_origin
 from topomap.mapping.uncertainty.path_covariance import best_way, seen_from_all, turned
 
 UNSURE = np.diag([0.05, 0.01, 0.1]) ** 2
@@ -28,6 +28,19 @@ def made_chain() -> Chain:
         c, s = np.cos(poses[-1][2]), np.sin(poses[-1][2])
         poses.append(poses[-1] + [c * delta[0] - s * delta[1], s * delta[0] + c * delta[1], delta[2]])
     return Chain.of(np.array(poses), edges, Calibration(), UNSURE)
+
+
+def rotation(heading: float) -> FloatArray:
+    c, s = np.cos(heading), np.sin(heading)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+
+def composed_covariance(a: FloatArray, a_covariance: FloatArray, b: FloatArray, b_covariance: FloatArray) -> FloatArray:
+    """The covariance (1, 3, 3) of the pose a b (1, 3), each given with the covariance of its own."""
+    turn = rotation(a[0, 2])
+    lever = np.eye(3)
+    lever[:2, 2] = turn[:2, :2] @ b[0, :2] @ np.array([[0.0, 1.0], [-1.0, 0.0]])
+    return np.asarray(lever @ a_covariance[0] @ lever.T + turn @ b_covariance[0] @ turn.T)[None]
 
 
 def through(chain: Chain, i: int, a: int, b: int, j: int, closure: FloatArray) -> FloatArray:

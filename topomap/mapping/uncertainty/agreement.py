@@ -1,4 +1,4 @@
-"""Agreement among closures: how many neighbouring closures are consistent with each, and how well loops close."""
+"""Agreement among closures: how many neighbouring closures are consistent with each."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from topomap.core.arrays import BoolArray, FloatArray, IntArray
 from topomap.core.geometry import between, compose, wrap_all
-from topomap.mapping.uncertainty.odometry_chain import Chain, composed_covariance
 
 
 class SupportSettings(BaseModel):
@@ -60,38 +59,6 @@ def company(claims: Agreeing, travelled: FloatArray, window: float) -> FloatArra
     np.add.at(total, a, claims.weight[b])
     np.add.at(total, b, claims.weight[a])
     return total
-
-
-def loops(
-    relative: FloatArray, covariance: FloatArray, i: IntArray, j: IntArray, chain: Chain, a: IntArray, b: IntArray
-) -> tuple[FloatArray, FloatArray]:
-    """Return the loops through closures a and b (P,) as `loops_between` does, where only the chain joins their ends.
-
-    relative (M, 3) `i_from_j` with covariance (M, 3, 3); i, j (M,): chain positions.
-    """
-    return loops_between(
-        relative, covariance, (i, j), chain.poses, a, b, chain.covariance(i[a], i[b]), chain.covariance(j[a], j[b])
-    )
-
-
-def loops_between(
-    relative: FloatArray, covariance: FloatArray, ends: tuple[IntArray, IntArray], poses: FloatArray,
-    a: IntArray, b: IntArray, known_i: FloatArray, known_j: FloatArray,
-) -> tuple[FloatArray, FloatArray]:  # fmt: skip
-    """Return what the loops through closures a and b (P,) miss of closing (P, 3) and its covariance (P, 3, 3).
-
-    relative (M, 3) `i_from_j` with covariance (M, 3, 3); ends: i, j (M,), rows of poses (N, 3); known_i, known_j
-    (P, 3, 3): covariances of `ia_from_ib` and `ja_from_jb`.
-    """
-    i, j = ends
-    along_i = between(poses[i[a]], poses[i[b]])
-    along_j = between(poses[j[a]], poses[j[b]])
-    one, other = compose(relative[a], along_j), compose(along_i, relative[b])
-    first = composed_covariance(relative[a], covariance[a], along_j, known_j)
-    second = composed_covariance(along_i, known_i, relative[b], covariance[b])
-    gap = other - one
-    gap[:, 2] = wrap_all(gap[:, 2])
-    return gap, first + second
 
 
 def neighbours(claims: Agreeing, travelled: FloatArray, window: float) -> tuple[IntArray, IntArray]:

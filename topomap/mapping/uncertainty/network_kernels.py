@@ -47,7 +47,7 @@ def shortest(
             if skip >= 0 and label[edge] == skip:
                 continue
             other = start[edge] + end[edge] - node
-            there = here + variance[edge]
+            there = max(here + variance[edge], np.nextafter(here, np.inf))  # `tree_errors` needs it to grow
             if seen[other] != turn or there < reach[other]:
                 reach[other], by[other], seen[other] = there, edge, turn
                 heapq.heappush(queue, (there, other))

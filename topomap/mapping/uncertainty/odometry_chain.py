@@ -120,15 +120,6 @@ def _summed(steps: FloatArray, before: FloatArray | None) -> FloatArray:
     return np.concatenate([head, head[-1] + np.cumsum(steps, axis=0)])
 
 
-def composed_covariance(a: FloatArray, a_covariance: FloatArray, b: FloatArray, b_covariance: FloatArray) -> FloatArray:
-    """Return (n, 3, 3) covariances of the poses a b (n, 3), each given with the covariance of its own."""
-    rotation = _rotation(a[:, 2])
-    ahead = (rotation[:, :2, :2] @ b[:, :2, None])[:, :, 0]
-    lever = _lever(ahead)
-    first = lever @ a_covariance @ lever.transpose(0, 2, 1)
-    return np.asarray(first + rotation @ b_covariance @ rotation.transpose(0, 2, 1))
-
-
 def turned_by(angles: FloatArray, covariance: FloatArray) -> FloatArray:
     """Return covariances (n, 3, 3) in axes turned by angles (n,) [rad]."""
     rotation = _rotation(angles)
