@@ -20,6 +20,8 @@ from logs.topics import TOPICS
 
 _COMPRESSIONS = {"zstd": CompressionType.ZSTD, "lz4": CompressionType.LZ4, "none": CompressionType.NONE}
 _FSYNC_SECONDS = 1.0
+CHUNK_SIZE = 262_144  # [bytes, uncompressed] at which a chunk is closed: a dozen steps of the default camera
+FLUSH_SECONDS = 0.5  # that steps wait in memory: what a killed process may lose
 
 
 class Recorder:
@@ -35,8 +37,8 @@ class Recorder:
         path: Path | str,
         header: Header,
         compression: Compression = "zstd",
-        chunk_size: int = 262_144,
-        flush_seconds: float = 0.5,
+        chunk_size: int = CHUNK_SIZE,
+        flush_seconds: float = FLUSH_SECONDS,
     ) -> None:
         self._path = Path(path)
         self._flush_ns = int(flush_seconds * 1e9)
@@ -56,7 +58,7 @@ class Recorder:
     @staticmethod
     def of(path: Path | str, header: Header, config: LogConfig) -> Recorder:
         """Open a log as the configuration says."""
-        return Recorder(path, header, config.compression, config.chunk_size, config.flush_seconds)
+        return Recorder(path, header, config.compression)
 
     def write(self, stamp_ns: int, topic: str, record: object) -> None:
         """Write one record; raises LogError for stamps that run backwards, a wrong record or a full disk."""

@@ -9,6 +9,7 @@ import pymunk
 from sim2d.config import BodyConfig
 from sim2d.world import ROBOT, STATIC, World
 
+MAX_TURN = 0.8  # [rad/s] at 0.25 s a step it turns by 11 degrees
 SUBSTEP = 0.0125  # [s] 5 mm at full speed: far less than the radius, so nothing is tunnelled through
 
 
@@ -54,7 +55,7 @@ class Body:
     def advance(self, forward: float, turn: float, dt: float) -> tuple[float, float]:
         """Drive for dt [s] at forward [m/s], turn [rad/s], held to the limits; return the true arc (m, rad)."""
         forward = _held(forward, self._config.max_speed)
-        turn = _held(turn, self._config.max_turn)
+        turn = _held(turn, MAX_TURN)
         count = max(1, round(dt / SUBSTEP))
         way, self.contact = 0.0, False
         for _ in range(count):

@@ -19,6 +19,7 @@ from sim2d.world import World
 NOISE_TABLE = 1 << 20
 PROBE = 8  # automatic exposure looks at every so manieth column
 GAINS = (0.05, 8.0)
+EXPOSURE_TARGET = 110.0  # [grey levels] mean that automatic exposure aims at: a little under the middle of 0..255
 
 Image = NDArray[np.uint8]
 
@@ -100,7 +101,7 @@ class Camera:
         # a quarter of the light, so that hardly anything is cut at white
         curves = tone_curves(0.25 * world.daylight.gain, world.daylight.tint)
         render(world.scene(), world.atlas, few, world.daylight.glow, curves, probe)
-        gain = 0.25 * self._config.exposure_target / max(float(probe.mean()), 0.5)
+        gain = 0.25 * EXPOSURE_TARGET / max(float(probe.mean()), 0.5)
         return min(max(gain, GAINS[0]), GAINS[1])
 
     def _curves(self, world: World, gain: float) -> NDArray[np.uint8]:

@@ -40,9 +40,6 @@ class CameraConfig(Section):
     noise: float = Field(2.0, ge=0, le=64, description="sensor noise, standard deviation [grey levels]")
     gain: float = Field(1.0, gt=0, le=8, description="exposure gain; with automatic exposure a correction of it")
     exposure: Literal["fixed", "auto"] = Field("fixed", description="whether the camera sets its gain by the view")
-    exposure_target: float = Field(
-        110.0, gt=0, lt=255, description="mean that automatic exposure aims at [grey levels]"
-    )
     hour: float | None = Field(None, ge=0, le=24, description="hour of the day that lights the world; none: evenly lit")
     light_changes: tuple[LightChange, ...] = Field((), description="other hours in mid-run")
     horizon_row: float | None = Field(None, description="row of eye level; none: the middle of the image")
@@ -58,9 +55,6 @@ class LaserConfig(Section):
     scanner: Literal["ring", "urg"] = Field("ring", description="all round at once, or two opposite shots of a scanner")
     rays: int = Field(720, ge=1, le=7200, description="ranges per turn that are handed over")
     height: float = Field(0.0, ge=0, le=10, description="only what is at least as high is hit [m]")
-    urg_field_deg: float = Field(240.0, gt=180, le=360, description="field of one shot of the scanner [degree]")
-    urg_step_deg: float = Field(0.36, gt=0, le=10, description="from one ray of a shot to the next [degree]")
-    urg_range: float = Field(4.0, gt=0, description="nothing is measured beyond by the scanner [m]")
     noise: float = Field(0.01, ge=0, description="range noise, standard deviation [m]")
     max_range: float = Field(10.0, gt=0, description="nothing is measured beyond by the ring [m]")
     dropout: float = Field(0.002, ge=0, le=1, description="share of rays that return nothing")
@@ -87,7 +81,6 @@ class BodyConfig(Section):
 
     radius: float = Field(0.2, gt=0, le=2, description="robot radius [m]")
     max_speed: float = Field(0.4, gt=0, description="greatest forward speed [m/s]")
-    max_turn: float = Field(0.8, gt=0, description="greatest turn rate [rad/s]")
     step: float = Field(0.25, gt=0, le=2, description="time from one reading to the next [s]")
 
 
@@ -97,15 +90,12 @@ class DriverConfig(Section):
     route: str = Field("", description="name of the world's route to drive instead of its default one")
     laps: float | None = Field(None, gt=0, description="laps to drive instead of the world's own number")
     lateral_offset: float = Field(0.0, description="offset to the left from lap two on [m]")
-    lookahead: float = Field(0.4, gt=0, description="distance to the point that is steered at [m]")
 
 
 class PeopleConfig(Section):
     """People besides those of the world."""
 
     extra: int = Field(0, ge=0, le=200, description="people who walk to and fro along stretches of the robot's route")
-    speed: float = Field(0.8, gt=0, le=3, description="their greatest speed [m/s]")
-    aside: float = Field(0.55, ge=0, le=5, description="how far beside the route they walk [m]")
 
 
 class KidnapConfig(Section):

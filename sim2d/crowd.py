@@ -10,6 +10,8 @@ from sim2d.config import PeopleConfig
 from sim2d.path import Path
 from sim2d.shapes import Look, Person
 
+SPEED = 0.8  # [m/s] their greatest: a slow walk
+ASIDE = 0.55  # [m] beside the route they walk: a robot of 0.2 m radius passes
 STRETCH = (2.0, 8.0)  # [m] of the route that one of them walks
 SPACING = 0.5  # [m] between the corners of a walk
 
@@ -23,7 +25,7 @@ def _person(k: int, path: Path, config: PeopleConfig, rng: np.random.Generator) 
     length = float(rng.uniform(*STRETCH))
     # nobody stands where the robot starts
     begin = float(rng.uniform(min(1.5, path.length), max(1.6, min(path.length, path.lap) - length)))
-    side = config.aside * (1 if rng.random() < 0.5 else -1)
+    side = ASIDE * (1 if rng.random() < 0.5 else -1)
     corners = []
     for s in np.arange(begin, begin + length, SPACING):
         (x, y), heading = path.at(float(s)), path.heading(float(s))
@@ -32,7 +34,7 @@ def _person(k: int, path: Path, config: PeopleConfig, rng: np.random.Generator) 
     return Person(
         name=f"walker {k + 1}",
         route=tuple(corners),
-        speed=config.speed * float(rng.uniform(0.5, 1.0)),
+        speed=SPEED * float(rng.uniform(0.5, 1.0)),
         look=Look((float(r), float(g), float(b)), "person", 900 + k),
         start_s=float(rng.uniform(0.0, 5.0)),
     )

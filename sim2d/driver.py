@@ -6,9 +6,11 @@ import math
 
 import numpy as np
 
+from sim2d.body import MAX_TURN
 from sim2d.config import BodyConfig, DriverConfig
 from sim2d.path import SPACING, Path
 
+LOOKAHEAD = 0.4  # [m] to the point that is steered at: a second's way
 TURNED = 0.06  # [m] so near a point where the path turns back, the robot is there
 WINDOW = 0.6  # [m] how far ahead on the path the robot may have got in one step
 STEPS_TO_BRAKE = 2.0
@@ -20,7 +22,6 @@ class Driver:
     def __init__(self, path: Path, config: DriverConfig, body: BodyConfig) -> None:
         self.path = path
         self.progress = 0.0
-        self._config = config
         self._body = body
 
     @property
@@ -41,17 +42,17 @@ class Driver:
         tx, ty = self._target()
         bearing = math.remainder(math.atan2(ty - y, tx - x) - heading, math.tau)
         if abs(bearing) > 1.2:
-            return 0.0, math.copysign(self._body.max_turn, bearing)
+            return 0.0, math.copysign(MAX_TURN, bearing)
         # the circle through the robot that touches its heading and meets the target
         curvature = 2 * math.sin(bearing) / max(math.hypot(tx - x, ty - y), 0.05)
         left = self._leg_end() - self.progress
         speed = min(self._body.max_speed, max(0.05, left / (STEPS_TO_BRAKE * self._body.step)))
-        speed = min(speed, self._body.max_turn / max(abs(curvature), 1e-9))
+        speed = min(speed, MAX_TURN / max(abs(curvature), 1e-9))
         return speed, speed * curvature
 
     def _target(self) -> tuple[float, float]:
         """Return the point to steer at; beyond the end of a leg it lies straight ahead."""
-        s, leg = self.progress + self._config.lookahead, self._leg_end()
+        s, leg = self.progress + LOOKAHEAD, self._leg_end()
         x, y = self.path.at(min(s, leg))
         beyond = max(0.0, s - leg)
         end = self.path.heading(leg - SPACING) if leg < self.path.length else self.path.heading(leg)

@@ -12,6 +12,7 @@ from sim2d.raycast import cast
 from sim2d.world import World
 
 Ranges = NDArray[np.float64]
+URG_FIELD_DEG, URG_STEP_DEG, URG_RANGE = 240.0, 0.36, 4.0  # [degree, degree, m] the Hokuyo URG-04LX's data sheet
 
 
 class Laser:
@@ -25,9 +26,9 @@ class Laser:
         self._config = config
         self._rng = rng
         self._bearings: Ranges = np.arange(config.rays, dtype=np.float64) * (math.tau / config.rays)
-        half = int(math.radians(config.urg_field_deg) / 2 / math.radians(config.urg_step_deg) + 1e-9)
-        self._shot: Ranges = np.arange(-half, half + 1, dtype=np.float64) * math.radians(config.urg_step_deg)
-        self._range = config.max_range if config.scanner == "ring" else config.urg_range
+        half = int(math.radians(URG_FIELD_DEG) / 2 / math.radians(URG_STEP_DEG) + 1e-9)
+        self._shot: Ranges = np.arange(-half, half + 1, dtype=np.float64) * math.radians(URG_STEP_DEG)
+        self._range = config.max_range if config.scanner == "ring" else URG_RANGE
 
     def exact(self, world: World, x: float, y: float, heading: float) -> Ranges:
         """Return the true ranges (R,) [m] at a pose [m, rad], NaN beyond the greatest range."""
@@ -53,7 +54,7 @@ class Laser:
     def _picked(self, shot: Ranges, facing: float) -> Ranges:
         """Return for every bearing the nearest ray of a shot that faces so, NaN outside its field."""
         bearings = np.remainder(self._bearings - facing + math.pi, math.tau) - math.pi
-        index = np.rint(bearings / math.radians(self._config.urg_step_deg)).astype(int) + len(shot) // 2
+        index = np.rint(bearings / math.radians(URG_STEP_DEG)).astype(int) + len(shot) // 2
         inside = (index >= 0) & (index < len(shot))
         return np.where(inside, shot[np.clip(index, 0, len(shot) - 1)], np.nan)
 

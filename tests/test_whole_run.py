@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -125,6 +126,18 @@ def test_the_audit_trail_agrees_with_the_summary(finished: tuple[Path, dict[str,
         assert done.returncode == 0, done.stderr
         found[words] = int(done.stdout.split()[0])
     assert tuple(found.values()) == tuple(summary["closures"][name] for name in ("proposed", "accepted", "false"))
+
+
+def test_the_readmes_closure_is_explained(finished: tuple[Path, dict[str, Any]], tmp_path: Path) -> None:
+    readme = (Path(__file__).parents[1] / "README.md").read_text()
+    pair = re.search(r"--explain (\d+) (\d+)", readme)
+    assert pair is not None
+    assert "topomap run room-corridor --seed 7 --out runs/a" in readme, "the run that it is of"
+    log = str(finished[0] / "run.mcap")
+    done = topomap("closures", log, "--explain", *pair.groups(), "--out", str(tmp_path), cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert f"(node {pair[1]}) against node {pair[2]}" in done.stdout
+    assert list(tmp_path.glob("closure-*.png"))
 
 
 def test_ctrl_c_stops_the_wheels_closes_the_log_and_writes_the_summary(tmp_path: Path) -> None:

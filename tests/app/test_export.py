@@ -22,7 +22,7 @@ from topomap.evaluation.trajectory import position_errors
 from topomap.mapping.graph import TopoMap
 from topomap.mapping.map_problem import map_problem
 from topomap.mapping.optimizer import ClosureEdge, relative_edges
-from topomap.mapping.optimizer.objective import Graph, State
+from topomap.mapping.optimizer.objective import Objective, State
 from topomap.mapping.optimizer.settings import OptimizerSettings
 from topomap.navigation.runner import run
 
@@ -68,7 +68,7 @@ def test_other_tools_measure_what_the_back_end_measures(topo: TopoMap, file: Pat
     Two edges joined in one cost less by what they disagree, wherever the poses are. gtsam takes the logarithm of the
     relative pose as the error, which is another by half its turn times its length.
     """
-    own, place = Graph(map_problem(topo), OptimizerSettings().turn_cutoff), np.argsort(topo.chain)
+    own, place = Objective(map_problem(topo), OptimizerSettings().turn_cutoff), np.argsort(topo.chain)
     weights = own.turn_weights(own.linearise(own.start()))
     bent = topo.poses + np.random.default_rng(0).normal(0.0, (0.01, 0.01, 0.005), (len(topo.poses), 3))
     measure = {"g2o": g2o_costs, "gtsam": gtsam_costs}[judge]
@@ -83,7 +83,7 @@ Costs = dict[tuple[int, int], float]
 """Squared errors by the places of the two nodes."""
 
 
-def costs(own: Graph, state: State, weights: FloatArray, place: IntArray) -> Costs:
+def costs(own: Objective, state: State, weights: FloatArray, place: IntArray) -> Costs:
     at, found = own.linearise(state), Costs()
     for blocks in (at.odometry, at.turns.weighted(weights), at.closures):
         for i, j, chi2 in zip(place[blocks.i].tolist(), place[blocks.j].tolist(), blocks.chi2().tolist(), strict=True):

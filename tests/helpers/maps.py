@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from topomap.core.geometry import Pose2
-from topomap.mapping.graph import Node, RecordedRig, Snapshot, TopoMap
+from topomap.core.recorded import RecordedRig
+from topomap.mapping.graph import Node, Snapshot, TopoMap
 from topomap.mapping.odometry.increments import Increments
 from topomap.mapping.optimizer.problem import ClosureEdge
 

@@ -122,7 +122,6 @@ def test_what_neither_falls_nor_rises_says_nothing(
         ({"room": 0.3}, "something stands in the way"),
         ({"contact_at": 3}, "contact"),
         ({"confidence": 0.0}, "no home vector"),
-        ({"settings": ActiveSettings(on=True, steps=3)}, "undecided"),
     ],
 )
 def test_what_is_stopped_says_nothing_even_if_the_difference_rose(
@@ -132,6 +131,15 @@ def test_what_is_stopped_says_nothing_even_if_the_difference_rose(
     assert not place.told
     assert "undecided" in notes[-1]
     assert says in notes[-1]
+
+
+def test_a_check_that_takes_too_long_says_nothing(
+    homed: Callable[..., tuple[Field, list[str]]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(active_check, "STEPS", 3)
+    place, notes = homed(lambda way: 0.5 + way)
+    assert not place.told
+    assert "undecided" in notes[-1]
 
 
 def test_each_candidate_is_checked_once_and_none_far_behind_or_when_off(

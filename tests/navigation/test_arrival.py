@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from topomap.navigation.arrival import Arrival, ArrivalSettings
+from topomap.navigation.arrival import Arrival
 
 
 def steps_to_arrive(curve: list[float]) -> int | None:
-    arrival = Arrival(ArrivalSettings())
+    arrival = Arrival()
     return next((i for i, value in enumerate(curve) if arrival.update(value)), None)
 
 

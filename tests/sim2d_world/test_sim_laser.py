@@ -55,7 +55,7 @@ def test_the_scanner_reaches_four_metres() -> None:
     scanned = laser(**EXACT).scan(world, 12.0, 9.0, 0.0)
     assert np.isnan(scanned).any()
     assert np.nanmax(scanned) <= 4.0
-    farther = laser(**EXACT, urg_range=8.0).scan(world, 12.0, 9.0, 0.0)
+    farther = laser(**{**EXACT, "scanner": "ring"}).scan(world, 12.0, 9.0, 0.0)
     assert np.isnan(farther).sum() < np.isnan(scanned).sum()
 
 

@@ -64,13 +64,13 @@ def test_home_in_five_lines(tmp_path: Path) -> None:
     for name, pose in (("here", POSE), ("goal", HOME)):
         clockwise = np.roll(view(pose).image, 359, axis=1)[:, ::-1, ::-1]  # nose in column 360, BGR
         cv2.imwrite(str(tmp_path / f"{name}.png"), clockwise)
-    here, goal = topomap.load(tmp_path / "here.png"), topomap.load(tmp_path / "goal.png")
+    here, goal = topomap.load_panorama(tmp_path / "here.png"), topomap.load_panorama(tmp_path / "goal.png")
     np.testing.assert_array_equal(here.image, view(POSE).image)
     way = topomap.home(here, goal)
     assert abs(wrap(way.bearing - POSE.bearing_to(HOME))) < math.radians(3)
     matched = topomap.home(here, goal, "dtw-unifying")
     assert abs(wrap(matched.bearing - POSE.bearing_to(HOME))) < math.radians(15)
-    with pytest.raises(DataError, match="no homing method"):
+    with pytest.raises(DataError, match="unknown homing method"):
         topomap.home(here, goal, "telepathy")
     with pytest.raises(DataError, match="ranges"):
         topomap.home(here, goal, "area-centroid")

@@ -77,6 +77,7 @@ ALIGNER: dict[str, tuple[float, float]] = {  # mean error [deg] at 0.1 m and at 
     "given": (1e-6, 1e-6),
     "convergence-points": (3.0, 6.0),
     "epipolar": (1.0, 1.0),
+    "auto": (1.0, 1.0),
 }
 EXACT_AT_HOME = 1e-6
 BLIND = 0.35

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Iterable
+from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
@@ -52,11 +53,17 @@ def parse_config(values: dict[str, Any], source: str, overrides: Iterable[str] =
 
     Raises ConfigError.
     """
-    config = _parse(values, source)  # alone, so that a mistake in the source is blamed on it
-    for word in overrides:
-        _set(values, word)
-        config = _parse(values, f"--set {word}")
-    return config
+    words, changed = tuple(overrides), deepcopy(values)
+    for word in words:
+        _set(changed, word)
+    try:
+        return _parse(changed, source)
+    except ConfigError:
+        _parse(values, source)  # alone, so that a mistake in the source is blamed on it
+        for word in words:
+            _set(values, word)
+            _parse(values, f"--set {word}")
+        raise
 
 
 def read_toml(path: Path) -> dict[str, Any]:

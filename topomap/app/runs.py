@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 from logs.errors import LogError
 from logs.header import Header
@@ -16,9 +16,10 @@ from logs.replay import ReplayRobot
 from sim2d import worlds
 from sim2d.errors import WorldError
 from sim2d.robot import SimRobot
-from topomap.app.config import RunConfig, parse_config
+from topomap.app.config import RunConfig
 from topomap.app.folder import RunFolder
 from topomap.app.interrupt import stop_on_signal
+from topomap.app.stored_config import parse_stored
 from topomap.app.warm_up import warm_up
 from topomap.app.wiring import build_navigator, versions
 from topomap.core.errors import DataError
@@ -38,18 +39,15 @@ from topomap.report.report import write_report
 Progress = Callable[[int], None]
 
 
-class RecordedRobot(Robot, TruthSource, Protocol):
-    """A robot whose truth may be recorded."""
-
-
 @dataclass(frozen=True)
 class RunResult:
-    """A finished run: its folder, its summary, whether it was interrupted, and the files it wrote for people."""
+    """A finished run: its folder, its summary, whether it was interrupted, the files it wrote, and notes for people."""
 
     folder: RunFolder
     summary: dict[str, Any]
     interrupted: bool
     files: tuple[Path, ...]
+    notes: tuple[str, ...] = ()
 
 
 def open_world(name: str, seed: int, config: RunConfig) -> SimRobot:
@@ -73,12 +71,14 @@ def run_world(robot: SimRobot, seed: int, config: RunConfig, folder: RunFolder, 
         TrueCalibration(known.rotation_scale, known.distance_scale, known.curvature),
         robot.world.plan(),
     )
-    return _execute(robot, header, config, folder, progress)
+    return execute(robot, robot, header, config, folder, progress)
 
 
-def replay_log(robot: ReplayRobot, config: RunConfig, folder: RunFolder, progress: Progress) -> RunResult:
+def replay_log(stored: StoredRun, folder: RunFolder, progress: Progress) -> RunResult:
     """Take a log's readings through the stack again and write what a run writes; journeys are then not made anew."""
-    return _execute(robot, replace(robot.header, replayed=True), config, folder, progress)
+    robot = stored.robot
+    result = execute(robot, robot, replace(robot.header, replayed=True), stored.config, folder, progress)
+    return replace(result, notes=stored.notes)
 
 
 def conclude(data: RunData, folder: RunFolder, interrupted: bool = False) -> RunResult:
@@ -94,28 +94,31 @@ def conclude(data: RunData, folder: RunFolder, interrupted: bool = False) -> Run
 
 
 class _Watch:
-    """Hands each step to the recorder, with the truth, and to the progress bar."""
+    """Hands each step to the recorder and to the progress bar."""
 
-    def __init__(self, recorder: RunRecorder, truth: TruthSource, progress: Progress) -> None:
-        self.recorder, self._truth, self._progress = recorder, truth, progress
+    def __init__(self, recorder: RunRecorder, progress: Progress) -> None:
+        self.recorder, self._progress = recorder, progress
         self.steps = 0
         self.last: StepRecord | None = None
 
     def observe(self, reading: Reading, record: StepRecord) -> None:
-        self.recorder.observe(reading, record, self._truth.truth())
+        self.recorder.observe(reading, record)
         self.steps, self.last = self.steps + 1, record
         self._progress(self.steps)
 
 
-def _execute(
-    robot: RecordedRobot, header: Header, config: RunConfig, folder: RunFolder, progress: Progress
+def execute(
+    robot: Robot, truth: TruthSource | None, header: Header, config: RunConfig, folder: RunFolder, progress: Progress
 ) -> RunResult:
-    """Run with a log that is closed whatever happens, then write map, summary and report."""
-    warm_up()
+    """Run with a log that is closed whatever happens, then write map, summary and report. Raises DataError.
+
+    truth: goes into the log, where there is one; the stack never sees it.
+    """
+    warm_up(config.stack)
     navigator = build_navigator(config.stack)
     try:
         with Recorder.of(folder.log, header, config.log) as recorder, stop_on_signal() as stopped:
-            watch = _Watch(RunRecorder(recorder, lambda: map_now(navigator.mapper.map)), robot, progress)
+            watch = _Watch(RunRecorder(recorder, lambda: map_now(navigator.mapper.map), truth), progress)
             began = time.perf_counter()
             run(robot, navigator, (watch,), stopped)
             _finish(navigator, watch, time.perf_counter() - began, folder)
@@ -164,16 +167,27 @@ def _edges(topo: TopoMap) -> tuple[tuple[int, int, str], ...]:
     return tuple((a, b, data["kind"]) for a, b, data in topo.graph.edges(data=True))
 
 
-def open_log(path: Path, settings: Iterable[str] = ()) -> tuple[ReplayRobot, RunConfig]:
-    """Return a log as a robot, and its stored configuration changed by `section.key=value` words.
+@dataclass(frozen=True)
+class StoredRun:
+    """A log as a robot, its configuration, and a line for each of its settings that is no more."""
+
+    robot: ReplayRobot
+    config: RunConfig
+    notes: tuple[str, ...]
+
+
+def open_log(path: Path, settings: Iterable[str] = ()) -> StoredRun:
+    """Return a log that can be replayed, its stored configuration changed by `section.key=value` words.
 
     Raises DataError or ConfigError.
     """
     try:
         robot = ReplayRobot(path)
-        return robot, parse_config(json.loads(robot.header.config), f"{path}: its stored configuration", settings)
+        stored = json.loads(robot.header.config)
+        config, notes = parse_stored(stored, f"{path}: its stored configuration", settings)
     except LogError as error:
         raise DataError(str(error)) from error
+    return StoredRun(robot, config, notes)
 
 
 def report_log(path: Path, out: Path) -> RunResult:

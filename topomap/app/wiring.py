@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import platform
+from collections.abc import Sequence
 from importlib.metadata import version
 
 from topomap.app.config import StackConfig
+from topomap.mapping.closures.closure_tests import ClosureTest
 from topomap.mapping.mapper import Mapper
 from topomap.navigation.localiser import Localiser
 from topomap.navigation.manoeuvres.active_check import ActiveCheck
@@ -13,17 +15,21 @@ from topomap.navigation.mission import Mission
 from topomap.navigation.navigator import Navigator
 from topomap.navigation.pilot import Pilot
 from topomap.navigation.traveller import Traveller
-from topomap.vision.compass.min_warping_compass import MinWarpingCompass
+from topomap.vision.registry import aligned_homing, aligner
 
 PACKAGES = ("topomap", "numpy", "scipy", "numba", "opencv-python-headless", "gtsam", "networkx", "pymunk", "mcap")
 
 
-def build_navigator(config: StackConfig) -> Navigator:
-    """Return a fresh stack with the default methods: min-warping as compass and for homing."""
-    homing = MinWarpingCompass()
-    mapper = Mapper(config.mapper, homing)
-    active = ActiveCheck(config.active, Pilot(config.travel.pilot), homing)
-    return Navigator(mapper, Localiser(), Mission(config.mission), Traveller(config.travel, homing), active)
+def build_navigator(config: StackConfig, tests: Sequence[ClosureTest] = ()) -> Navigator:
+    """Return a fresh stack with the methods that the settings name. Raises DataError.
+
+    tests: of closures, a user's own, asked before odometry is.
+    """
+    travel = config.travel
+    homing = aligned_homing(travel.homing, travel.aligner)
+    mapper = Mapper(config.mapper, aligner(config.mapper.aligner), tests)
+    active = ActiveCheck(config.active, Pilot(travel.pilot), homing)
+    return Navigator(mapper, Localiser(), Mission(config.mission), Traveller(travel, homing), active)
 
 
 def versions() -> dict[str, str]:

@@ -14,13 +14,13 @@ import numpy as np
 
 from topomap.bench.pool import Workers
 from topomap.core.arrays import FloatArray
+from topomap.core.encoded import decode
 from topomap.core.errors import DataError
 from topomap.core.geometry import TAU, wrap
 from topomap.core.panorama import Panorama
 from topomap.core.rig import Rig
 from topomap.vision.compass import ALIGNERS
 from topomap.vision.contracts import Aligner
-from topomap.vision.image.decode import decode
 
 IMAGES, PATH = "training.csv", "training_path_scaled.csv"
 

@@ -11,12 +11,11 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
 from functools import cache
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
 import cv2
-
-import topomap
 
 R = TypeVar("R", covariant=True)
 T = TypeVar("T")
@@ -72,7 +71,7 @@ class Store:
         Path(file.name).replace(path)
 
     def _path(self, key: str, folder: Path) -> Path:
-        name = hashlib.sha256(f"{topomap.__version__} {code_digest()} {key}".encode()).hexdigest()
+        name = hashlib.sha256(f"{version('topomap')} {code_digest()} {key}".encode()).hexdigest()
         return folder / name[:2] / f"{name}.pickle"
 
 
@@ -87,7 +86,7 @@ def default_folder() -> Path:
 @cache
 def code_digest() -> str:
     """Return a digest of the code that decides the results."""
-    return digest_files(Path(topomap.__file__).parent, DECIDING)
+    return digest_files(Path(__file__).parents[1], DECIDING)
 
 
 def digest_files(root: Path, patterns: Sequence[str]) -> str:

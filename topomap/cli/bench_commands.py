@@ -30,7 +30,7 @@ def _group() -> None:
 @benches.command()
 def homing(
     env: str = typer.Option("", help="Named environments, comma-separated, e.g. ourlab,hall1."),
-    grid: list[Path] = typer.Option([], help="Folder of panoramas on a grid; may repeat."),
+    grid: list[Path] = typer.Option([], help="Folder with grid.toml, or a CSV of places and images; may repeat."),
     methods: str = typer.Option("all", help="'all' or names, comma-separated (see 'topomap methods')."),
     home: str | None = typer.Option(None, metavar="X,Y", help="Home [m] [the grid's middle]."),
     compass: str = typer.Option("given", help="'given', or the aligner or row that finds the rotation, e.g. A1 or A6."),

@@ -10,6 +10,7 @@ from topomap import __version__
 from topomap.cli import (
     bench_commands,
     closure_commands,
+    config_commands,
     console,
     graph_commands,
     map_commands,
@@ -29,6 +30,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
+    context_settings={"help_option_names": ["-h", "--help"]},
 )
 run_commands.add_to(app)
 sweep_commands.add_to(app)
@@ -40,6 +42,7 @@ recording_commands.add_to(app)
 method_commands.add_to(app)
 world_commands.add_to(app)
 bench_commands.add_to(app)
+config_commands.add_to(app)
 rig_commands.add_to(app)
 
 

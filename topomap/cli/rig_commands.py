@@ -27,10 +27,10 @@ def fit(
     out: Path | None = typer.Option(None, help="Rig file to write [print it]."),
 ) -> None:
     """Find centre and radii of a mirror's ring in a raw picture; the nose is taken along the picture's +x."""
+    from topomap.core.encoded import decode
     from topomap.core.errors import DataError
     from topomap.datasets.mirror_file import mirror_text
     from topomap.evaluation.summary import write_whole
-    from topomap.vision.image.decode import decode
     from topomap.vision.image.unwrap import fit_mirror
 
     try:

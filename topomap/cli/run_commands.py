@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from topomap.cli.console import console, progress, table
+from topomap.cli.words import CONFIG, SETTINGS
 
 if TYPE_CHECKING:
     from topomap.app.runs import RunResult
@@ -22,8 +23,8 @@ def add_to(app: typer.Typer) -> None:
 def run(
     world: str = typer.Argument(help="Named world (see topomap worlds), world file (.toml) or floor plan (map.yaml)."),
     seed: int = typer.Option(0, min=0, help="Seed of all that is random in the run."),
-    config: Path | None = typer.Option(None, help="TOML file with settings."),
-    settings: list[str] = typer.Option([], "--set", metavar="SECTION.KEY=VALUE", help="One setting; may repeat."),
+    config: Path | None = CONFIG,
+    settings: list[str] = SETTINGS,
     out: Path | None = typer.Option(None, help="Folder for log, map, summary and report [runs/WORLD-SEED]."),
 ) -> None:
     """Drive a simulated world, map it, close loops, go home; write log, map, summary and report."""
@@ -41,17 +42,17 @@ def run(
 
 def replay(
     log: Path = typer.Argument(help="MCAP log of a run.", metavar="RUN.mcap"),
-    settings: list[str] = typer.Option([], "--set", metavar="SECTION.KEY=VALUE", help="A stack setting to change."),
+    settings: list[str] = SETTINGS,
     out: Path | None = typer.Option(None, help="Folder for the new log, map, summary and report [RUN-replay]."),
 ) -> None:
     """Take a log's readings through the stack again; with the same settings the graph hash is the same."""
     from topomap.app import runs
     from topomap.app.folder import RunFolder
 
-    robot, chosen = runs.open_log(log, settings)
+    stored = runs.open_log(log, settings)
     folder = RunFolder.create(out or log.parent / "replay", keep=log)
-    with progress("replay", robot.steps) as advance:
-        result = runs.replay_log(robot, chosen, folder, advance)
+    with progress("replay", stored.robot.steps) as advance:
+        result = runs.replay_log(stored, folder, advance)
     show(result)
     same = runs.same_hash(log, result.summary)
     if same is not None:
@@ -108,5 +109,7 @@ def show(result: RunResult) -> None:
     table(table_rows(result.summary), str(result.summary["world"]))
     for path in result.files:
         console.print(str(path), soft_wrap=True)
+    for note in result.notes:
+        console.print(f"Note: {note}", soft_wrap=True, markup=False, highlight=False)
     if result.interrupted:
         raise typer.Exit(130)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from topomap.cli.console import console, grid, progress, show_wide
+from topomap.cli.words import CONFIG, SETTINGS
 
 if TYPE_CHECKING:
     from topomap.bench.sweeps.table import Line, Spread
@@ -28,8 +29,8 @@ def add_to(app: typer.Typer) -> None:
 def sweep(
     worlds: list[str] = typer.Argument(help="Named worlds, world files or floor plans."),
     seeds: str = typer.Option("0-4", help="Seeds, e.g. 0-9, 3 or 0,2,5."),
-    config: Path | None = typer.Option(None, help="TOML file with settings."),
-    settings: list[str] = typer.Option([], "--set", metavar="SECTION.KEY=VALUE", help="One setting; may repeat."),
+    config: Path | None = CONFIG,
+    settings: list[str] = SETTINGS,
     vary: list[str] = typer.Option(
         [], metavar="SECTION.KEY=[A, B]", help="Values of a setting to compare; may repeat: every combination is run."
     ),

@@ -13,7 +13,9 @@ from topomap.cli.console import console, table
 if TYPE_CHECKING:
     from topomap.app.worlds import WorldInfo
 
-worlds = typer.Typer(help="The simulated worlds: list, pictures.", invoke_without_command=True, rich_markup_mode=None)
+worlds = typer.Typer(
+    help="The simulated worlds: listed when called alone; pictures.", invoke_without_command=True, rich_markup_mode=None
+)
 
 
 def add_to(app: typer.Typer) -> None:

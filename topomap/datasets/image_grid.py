@@ -26,12 +26,13 @@ import numpy as np
 from pydantic import BaseModel, Field, ValidationError
 
 from topomap.core.arrays import FloatArray, Image
+from topomap.core.encoded import decode
 from topomap.core.errors import DataError
-from topomap.core.geometry import TAU, wrap
+from topomap.core.geometry import wrap
 from topomap.core.panorama import Panorama
+from topomap.core.recorded import RecordedRig
 from topomap.datasets.mirror_file import Unwrapper, read_mirror
 from topomap.vision.arena import Arena, Recipe, central
-from topomap.vision.image.decode import decode
 
 SPEC_NAME = "grid.toml"
 NUMBER = r"[-+]?\d+(?:\.\d+)?"
@@ -62,19 +63,6 @@ ANTWORLD = GridSpec(
 )  # fmt: skip
 """What efkag's AntWorld data sets are; they are known by the header of their CSV file."""
 ANTWORLD_HEADER = "X [mm],Y [mm],Z [mm],Heading [degrees],Filename"
-
-
-@dataclass(frozen=True, slots=True)
-class RecordedRig:
-    """How the images of a grid were taken, as `topomap.core.robot.RigReading` says."""
-
-    width: int
-    height: int
-    horizon_row: float
-    focal: float
-    camera_height: float
-    forward_column: int
-    clockwise: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -242,6 +230,6 @@ def _spacing(positions: FloatArray) -> float:
 
 def _rig(image: Image, spec: GridSpec) -> RecordedRig:
     height, width = image.shape[:2]
-    horizon = (height - 1) / 2 if spec.horizon_row is None else spec.horizon_row
-    forward = width // 2 if spec.forward_column is None else spec.forward_column
-    return RecordedRig(width, height, horizon, width / TAU, spec.camera_height, forward, spec.clockwise)
+    return RecordedRig.cylinder(
+        width, height, spec.camera_height, spec.horizon_row, spec.forward_column, spec.clockwise
+    )

@@ -23,7 +23,7 @@ from topomap.experiments.pillars import Pillar, Room, plain, room_arena, room_re
 from topomap.experiments.study import Finding, Lab, row_values
 from topomap.report.figures import style
 from topomap.vision.arena import Arena
-from topomap.vision.homing.needs import Needs
+from topomap.vision.contracts import Needs
 from topomap.vision.homing.run_down import FIELDS, RunDown
 from topomap.vision.homing.view_vector import vector_home
 

@@ -18,8 +18,8 @@ from topomap.core.records import HomeVector
 from topomap.experiments.study import Finding, Lab, away_from_home, draw_bars, near_and_far, row_values
 from topomap.report.figures import style
 from topomap.vision.arena import Arena, bearings_home
+from topomap.vision.contracts import Needs
 from topomap.vision.homing.dtw import DynamicWarping, RingPair, matched_home
-from topomap.vision.homing.needs import Needs
 from topomap.vision.image.ring import RingSpec
 from topomap.vision.matching.kernels import dtw_path
 from topomap.vision.matching.ring_flow import fitted_flow

@@ -14,27 +14,9 @@ import numpy as np
 
 from topomap.core.arrays import Float32Array, FloatArray, IntArray
 from topomap.core.geometry import Pose2, compose, wrap_all
-from topomap.core.robot import RigReading
+from topomap.core.recorded import RecordedRig
 from topomap.mapping.odometry.increments import Calibration, Increments, integrate, track
 from topomap.mapping.optimizer.problem import ClosureEdge, TurnEdge
-
-
-@dataclass(frozen=True, slots=True)
-class RecordedRig:
-    """The rig of a stored snapshot, in the recorded convention (`topomap.core.robot.RigReading`)."""
-
-    width: int
-    height: int
-    horizon_row: float
-    focal: float
-    camera_height: float
-    forward_column: int
-    clockwise: bool
-
-    @staticmethod
-    def of(rig: RigReading) -> RecordedRig:
-        """Return an own copy of a reading's rig."""
-        return RecordedRig(*(getattr(rig, name) for name in RecordedRig.__slots__))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -16,7 +16,8 @@ import numpy as np
 from topomap.core.arrays import FloatArray
 from topomap.core.errors import DataError
 from topomap.core.geometry import Pose2
-from topomap.mapping.graph import Node, RecordedRig, Snapshot, TopoMap
+from topomap.core.recorded import RecordedRig
+from topomap.mapping.graph import Node, Snapshot, TopoMap
 from topomap.mapping.odometry.increments import Calibration, Increments
 from topomap.mapping.optimizer.problem import ClosureEdge, TurnEdge
 
@@ -25,8 +26,9 @@ FORMAT = 2
 READ = (1, 2)
 
 
-def save_map(topo: TopoMap, path: Path) -> None:
+def save_map(topo: TopoMap, path: Path | str) -> None:
     """Write the map, wholly or not at all. Raises DataError where it can't be written."""
+    path = Path(path)
     try:
         temporary = path.with_name(path.name + ".part")
         temporary.write_bytes(to_bytes(topo))
@@ -35,10 +37,10 @@ def save_map(topo: TopoMap, path: Path) -> None:
         raise DataError(f"{path}: the map can't be written ({error.strerror})") from error
 
 
-def load_map(path: Path) -> TopoMap:
+def load_map(path: Path | str) -> TopoMap:
     """Read a map. Raises DataError where the file is missing, damaged or no map."""
     try:
-        return from_bytes(path.read_bytes())
+        return from_bytes(Path(path).read_bytes())
     except OSError as error:
         raise DataError(f"{path}: the map can't be read ({error.strerror})") from error
     except (zipfile.BadZipFile, EOFError, KeyError, ValueError, TypeError, IndexError) as error:

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from pydantic import BaseModel, Field
 
 from topomap.core.panorama import Panorama
+from topomap.core.recorded import RecordedRig
 from topomap.core.records import Candidate, Decision, MapChange, NodeAdded, PlaceMatch
 from topomap.core.robot import Reading
+from topomap.mapping.closures.closure_tests import ClosureTest
 from topomap.mapping.closures.ledger import Ledger
 from topomap.mapping.closures.online import Closing, ClosingSettings
-from topomap.mapping.graph import RecordedRig, Snapshot, TopoMap
+from topomap.mapping.graph import Snapshot, TopoMap
 from topomap.mapping.optimisation import Optimisation, OptimisationSettings
 from topomap.mapping.places.recognition import Recognition, RecognitionSettings
 from topomap.mapping.places.snapshots import SnapshotSettings, View, make_rule
 from topomap.mapping.places.view_cache import ViewCache
 from topomap.mapping.track import Track
+from topomap.vision.choice import AlignerChoice
 from topomap.vision.contracts import Aligner
 from topomap.vision.image.compare import rotation_difference, signature
 
@@ -22,6 +27,7 @@ from topomap.vision.image.compare import rotation_difference, signature
 class MapperSettings(BaseModel, frozen=True, extra="forbid"):
     """All settings of the mapping wing."""
 
+    aligner: AlignerChoice = Field("min-warping", description="the compass that closures are measured by")
     snapshots: SnapshotSettings = Field(default_factory=SnapshotSettings)
     recognition: RecognitionSettings = Field(default_factory=RecognitionSettings)
     closing: ClosingSettings = Field(default_factory=ClosingSettings)
@@ -31,7 +37,8 @@ class MapperSettings(BaseModel, frozen=True, extra="forbid"):
 class Mapper:
     """Surveys the route, keeps snapshots, recognises places, closes loops and applies solutions."""
 
-    def __init__(self, settings: MapperSettings, aligner: Aligner) -> None:
+    def __init__(self, settings: MapperSettings, aligner: Aligner, tests: Sequence[ClosureTest] = ()) -> None:
+        """tests: of closures, a user's own, asked before odometry is."""
         self.map = TopoMap()
         self.view_cache = ViewCache(self.map)
         self.ledger = Ledger()
@@ -40,7 +47,9 @@ class Mapper:
         self._settings = settings.snapshots
         self._rule = make_rule(settings.snapshots)
         self._recognition = Recognition(settings.recognition)
-        self._closing = Closing(settings.closing, aligner, self.track, self.view_cache, self.ledger, self.optimisation)
+        self._closing = Closing(
+            settings.closing, aligner, self.track, self.view_cache, self.ledger, self.optimisation, tests
+        )
         self._previous: Panorama | None = None
         self._last_snapshot = -1
         self._kept_at = 0.0

@@ -26,7 +26,7 @@ from topomap.mapping.optimizer import (
     solving,
 )
 from topomap.mapping.optimizer.problem import PRIOR_SIGMAS
-from topomap.mapping.sequential import SequentialConstraints, SequentialSettings
+from topomap.mapping.sequential import SequentialConstraints
 from topomap.vision.contracts import Aligner
 
 # places seen again tell nothing of the distance scale and would shrink the world (DESIGN.md): unmeasured it is held
@@ -37,7 +37,6 @@ class OptimisationSettings(BaseModel, frozen=True, extra="forbid"):
     """When the map is corrected and what the odometry's errors may be."""
 
     backend: OptimizerSettings = Field(default_factory=OptimizerSettings)
-    sequential: SequentialSettings = Field(default_factory=SequentialSettings)
     every: int = Field(10, ge=1, description="nodes after which the map is solved though nothing surprising happened")
     surprise: float = Field(1.0, ge=0, description="a closure further off than this is solved at once [sigmas]")
     large: int = Field(500, ge=1, description="nodes and closures from which on a map is solved bit by bit")
@@ -57,7 +56,7 @@ class Optimisation:
     def __init__(self, settings: OptimisationSettings, aligner: Aligner, topo: TopoMap) -> None:
         self._s = settings
         self._map = topo
-        self.sequential = SequentialConstraints(settings.sequential, aligner, topo)
+        self.sequential = SequentialConstraints(aligner, topo)
         self._closures: list[tuple[ClosureEdge, Candidate]] = []
         self._covariance = np.diag(np.square(PRIOR_SIGMAS))
         self._running: Slices[Solution] | None = None

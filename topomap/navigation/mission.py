@@ -22,7 +22,6 @@ class Mission:
 
     def __init__(self, settings: MissionSettings) -> None:
         self._settings = settings
-        self._taught = False
         self._phase = Phase.TEACH
 
     def goal(self, driven: bool, topo: TopoMap) -> Goal:
@@ -36,6 +35,11 @@ class Mission:
         """Take note of what the traveller says; an arrival or a failure ends the mission."""
         if travel.phase in (Phase.ARRIVED, Phase.FAILED):
             self._phase = travel.phase
+
+    @property
+    def phase(self) -> Phase:
+        """What the robot is doing, or how it ended."""
+        return self._phase
 
     @property
     def over(self) -> bool:

@@ -30,6 +30,11 @@ class Navigator:
         """Whether the mission has ended."""
         return self._mission.over
 
+    @property
+    def phase(self) -> Phase:
+        """What the robot is doing, or how the mission ended."""
+        return self._mission.phase
+
     def step(self, reading: Reading) -> tuple[Command, StepRecord]:
         """Take one reading through all stages; return the command and the record of the step."""
         watch = Stopwatch()

@@ -9,34 +9,28 @@ import numpy as np
 
 from topomap.core.arrays import Image
 from topomap.core.errors import DataError
-from topomap.core.geometry import TAU, wrap
+from topomap.core.geometry import TAU
 from topomap.core.panorama import Panorama
 from topomap.core.records import HomeVector
 from topomap.core.rig import Rig
-from topomap.vision.homing import METHODS
-from topomap.vision.homing.auto import Auto
-from topomap.vision.homing.needs import check
-
-AUTO = Auto()
+from topomap.vision.aligned_homing import Method
+from topomap.vision.contracts import Aligner
+from topomap.vision.registry import aligned_homing
 
 
-def home(current: Panorama, goal: Panorama, method: str = "auto") -> HomeVector:
+def home(current: Panorama, goal: Panorama, method: str | Method | Aligner = "auto") -> HomeVector:
     """Return where the goal lies, seen from the current view: bearing [rad, counter-clockwise from the nose].
 
-    A method that needs a compass takes the automatic choice's rotation. Raises DataError, ShapeError.
+    method: a name of the registry or an object of one's own. One that needs a compass takes the automatic choice's
+    rotation; a policy, which must move, gives its first move. Raises DataError, ShapeError.
     """
-    if method not in METHODS:
-        raise DataError(f"no homing method {method!r}; there are {', '.join(METHODS)}")
-    chosen = METHODS[method]
-    for view in (current, goal):
-        check(chosen.needs, view)
-    columns = current.columns(AUTO.align(current, goal).rotation) if chosen.needs.compass else 0
-    found = chosen.home(chosen.describe(current.rolled(columns)), chosen.describe(goal))
-    bearing = wrap(found.bearing - columns * TAU / current.rig.width)
-    return HomeVector(bearing, found.distance, found.confidence)
+    homing = aligned_homing(method, otherwise="auto")
+    if homing.policy is None:
+        return homing.home(current, goal).home
+    return homing.move(homing.policy.start(goal), current, homing.aligner.align(current, goal).rotation)[1]
 
 
-def load(path: Path | str, horizon_row: float | None = None) -> Panorama:
+def load_panorama(path: Path | str, horizon_row: float | None = None) -> Panorama:
     """Return a panorama from an image file whose centre column looks ahead and whose columns run clockwise.
 
     horizon_row: the row of eye level, the middle if None. Raises DataError.

@@ -1,83 +1,76 @@
-"""The table of all methods: which row of the survey each is, where it comes from, what it needs."""
+"""All methods by name: found for whoever names one, and as a table that says where each comes from."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, is_dataclass
-from typing import Literal
+from typing import Literal, TypeVar
 
+from topomap.core.errors import DataError
+from topomap.vision.aligned_homing import AlignedHoming, Method
 from topomap.vision.compass import ALIGNERS
-from topomap.vision.contracts import Needs
+from topomap.vision.contracts import Aligner, HomingMethod, HomingPolicy, Listed, Needs, ReferenceHoming
 from topomap.vision.homing import METHODS, POLICIES, REFERENCE_METHODS
 
+T = TypeVar("T")
 Kind = Literal["aligner", "method", "references", "policy"]
+OWN = "own"
+"""The aligner's name that stands for the homing method's own, or the default one where it has none."""
+DEFAULT = "min-warping"
 _FAMILY = {"A": "alignment", "H": "homing", "own": "beyond the thesis"}
-ROWS: dict[str, tuple[str, str]] = {
-    "visual-compass": ("A1", "2.6; Zeil et al. 2003"),
-    "visual-compass-sad": ("A1", "2.6, as printed"),
-    "scale-plane": ("A2", "2.6.4.4; Horst, Möller 2017"),
-    "phase-correlation": ("A3", "2.6.4.4; Kuglin, Hines 1975"),
-    "phase-correlation-sum": ("A3", "2.6.4.4; Kuglin, Hines 1975"),
-    "phase-scale": ("A4", "2.6.4.4"),
-    "rearrangement": ("A5", "2.6.4.3"),
-    "min-warping-compass": ("A6", "2.5.2.2; Möller et al. 2010"),
-    "min-warping-near-compass": ("A6", "2.5.2.2, near A1"),
-    "given": ("A7", "2.6.4.1"),
-    "convergence-points": ("A8", "3.20-3.22, fig. 3.2"),
-    "epipolar-compass": ("own", "planar epipolar geometry"),
-    "alv": ("H1", "2.2; Ramisa et al. 2011"),
-    "alv-all": ("H1", "2.2; Lambrinos et al. 2000"),
-    "alv-markers": ("H1", "2.2, 2.6.5.3"),
-    "acv": ("H2", "2.3; Weber et al. 1999"),
-    "delv": ("H3", "2.4; Yu, Kim 2010"),
-    "delv-full": ("H3", "2.4, all pairings"),
-    "delv-quantised": ("H3", "2.4, fig. 5.33"),
-    "comalv": ("H4", "2.5.1.1; Hafner 2001"),
-    "comalv-edges": ("H4", "2.5.1.1, edge-weighted"),
-    "comalv-references": ("H4", "2.5.1.1, Jacobian of three references"),
-    "mcomalv": ("H5", "2.7"),
-    "did": ("H6", "2.5; Zeil et al. 2003"),
-    "did-far": ("H6", "2.5, references at 0.3 m"),
-    "did-basic": ("H7", "2.5.3"),
-    "did-gradient-2": ("H7", "2.5.3.1; Möller, Vardy 2006"),
-    "did-gradient-4": ("H7", "2.5.3.1"),
-    "did-newton-4": ("H7", "2.5.3.2"),
-    "did-newton-8": ("H7", "2.5.3.2"),
-    "mfdid-gradient": ("H8", "2.5.3.4; Möller, Vardy 2006"),
-    "mfdid-newton": ("H8", "2.5.3.4"),
-    "warping-1d": ("H9", "2.5.2.1; Franz et al. 1998"),
-    "warping-2d": ("H10", "2.5.2.2; Möller et al. 2010"),
-    "min-warping": ("H11", "2.5.2.2; Möller et al. 2010"),
-    "moment-centroid": ("H12", "3.9, 3.16"),
-    "moment-centroid-rgb": ("H12", "3.17-3.23"),
-    "moment-2": ("H13", "3.34"),
-    "moment-3": ("H13", "3.34"),
-    "moment-pixel": ("H13", "A.20"),
-    "moment-area": ("H13", "3.40"),
-    "moment-area-rgb": ("H13", "3.40, 3.23"),
-    "moment-area-hsv": ("H13", "3.40, 3.23"),
-    "moment-ground": ("H13, H17", "3.40, 5.1.1.2"),
-    "moment-colour-only": ("H13, H17", "3.34, equal distances"),
-    "area-centroid": ("H15", "3.1.3"),
-    "convergence-point": ("H16", "3.29-3.33"),
-    "bipolar-masks": ("H18", "4.1-4.3"),
-    "random-masks": ("H19", "4.8-4.12"),
-    "random-masks-references": ("H19", "4.8-4.12, Jacobian of three references"),
-    "masks-3": ("H20", "4.13-4.15"),
-    "masks-3-even": ("H20", "4.13-4.15, fig. 4.35"),
-    "pixel-landmarks": ("H21, H17", "5.2-5.5, ground line"),
-    "pixel-landmarks-range": ("H21", "5.2-5.5"),
-    "run-down": ("H22, H23", "5.6-5.12"),
-    "stationary-1d": ("H24", "5.1.3.3"),
-    "stationary-2d": ("H25", "5.1.3.4; Farnebäck 2003"),
-    "dtw-wing": ("H26", "5.15"),
-    "dtw-unifying": ("H27", "5.16"),
-    "dtw-inhibited": ("H28", "5.1.3.8"),
-    "dtw-swing": ("H28", "5.1.3.4"),
-    "epipolar": ("own", "planar epipolar geometry; Ortín, Montiel 2001"),
-    "auto": ("own", "picks by what is there"),
-}
-"""Row and source of every method; where an aligner and a method share a name, the aligner's is NAME-compass."""
+
+
+def aligner(chosen: str | Aligner) -> Aligner:
+    """Return the aligner of a name, or the object itself. Raises DataError."""
+    if isinstance(chosen, str):
+        return _named(chosen, ALIGNERS, "aligner")
+    if not isinstance(chosen, Aligner):
+        raise DataError(f"{chosen!r} is no aligner: it has no method align(current, goal, prior)")
+    return chosen
+
+
+def method(chosen: str | Method | Aligner) -> Method:
+    """Return the homing method of a name, with references or a policy too, or the object itself. Raises DataError."""
+    if isinstance(chosen, str):
+        known: dict[str, Method] = {**METHODS, **REFERENCE_METHODS, **POLICIES}
+        alone = [name for name in ALIGNERS if name not in known and _homing_aligner(name) is not None]
+        return _named(chosen, known, "homing method", *alone)
+    if not isinstance(chosen, (HomingMethod, ReferenceHoming, HomingPolicy)):
+        raise DataError(
+            f"{chosen!r} is no homing method: it needs needs and claims_homing, and describe and home,"
+            " step and home, or start and step (topomap.vision.contracts)"
+        )
+    return chosen
+
+
+def aligned_homing(
+    chosen: str | Method | Aligner, compass: str | Aligner = OWN, otherwise: str = DEFAULT
+) -> AlignedHoming:
+    """Return method and aligner as one; each a name or an object. Raises DataError.
+
+    chosen: a homing method, or an aligner that gives home vectors. Where it aligns by itself and no other aligner is
+    asked for, it is asked once, near the rotation that odometry tells. otherwise: the aligner of a method without one.
+    """
+    alone = _homing_aligner(chosen)
+    if alone is not None and compass in (OWN, chosen):
+        return AlignedHoming(alone)
+    if isinstance(chosen, str) and alone is not None and chosen not in METHODS:
+        raise DataError(f"homing method {chosen!r} is its own aligner; give it no other than {OWN!r}")
+    return AlignedHoming(aligner(otherwise if compass == OWN else compass), method(chosen))
+
+
+def _homing_aligner(chosen: str | Method | Aligner) -> Aligner | None:
+    """Return what aligns and homes at once."""
+    if isinstance(chosen, str):
+        found = ALIGNERS.get(chosen)
+        return found if isinstance(found, Listed) and found.claims_homing else None
+    return chosen if isinstance(chosen, Aligner) else None
+
+
+def _named(name: str, known: Mapping[str, T], what: str, *more: str) -> T:
+    if name not in known:
+        raise DataError(f"unknown {what} {name!r}; there are {', '.join([*known, *more])}")
+    return known[name]
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,39 +82,35 @@ class Entry:
     family: str
     kind: Kind
     needs: str
-    homes: bool | None
+    homes: bool
     source: str
     defaults: str
 
 
 def entries() -> Iterator[Entry]:
     """Yield every aligner, method, method with references and policy."""
-    for name, aligner in ALIGNERS.items():
-        yield _entry(name, f"{name}-compass" if f"{name}-compass" in ROWS else name, "aligner", aligner, "", None)
-    for name, method in METHODS.items():
-        yield _entry(name, name, "method", method, in_words(method.needs), method.claims_homing)
+    for name, one in ALIGNERS.items():
+        yield _entry(name, "aligner", one)
+    for name, pairwise in METHODS.items():
+        yield _entry(name, "method", pairwise)
     for name, referenced in REFERENCE_METHODS.items():
-        needs = f"{in_words(referenced.needs)}, references at {referenced.step:g} m"
-        yield _entry(name, name, "references", referenced, needs, referenced.claims_homing)
+        yield _entry(name, "references", referenced, f"references at {referenced.step:g} m")
     for name, policy in POLICIES.items():
-        yield _entry(name, name, "policy", policy, in_words(policy.needs), policy.claims_homing)
+        yield _entry(name, "policy", policy, "trial moves")
 
 
-def _entry(name: str, key: str, kind: Kind, thing: object, needs: str, homes: bool | None) -> Entry:
-    row, source = ROWS[key]
-    needs = {"rearrangement": "ranges", "convergence-points": "ranges, colour", "given": "heading"}.get(name, needs)
-    return Entry(row, name, _FAMILY.get(row[0], _FAMILY["own"]), kind, needs, homes, source, defaults(thing))
+def _entry(name: str, kind: Kind, thing: object, more: str = "") -> Entry:
+    if not isinstance(thing, Listed):  # put there by a user, whose own methods need no source
+        return Entry(OWN, name, _FAMILY[OWN], kind, more, True, "", defaults(thing))
+    row, source = thing.origin.row, thing.origin.source
+    needs = ", ".join(word for word in (in_words(thing.needs), more) if word)
+    family = _FAMILY.get(row[0], _FAMILY["own"])
+    return Entry(row, name, family, kind, needs, thing.claims_homing, source, defaults(thing))
 
 
 def in_words(needs: Needs) -> str:
     """Return what is needed, in words."""
-    named = {
-        "compass": needs.compass,
-        "ranges": needs.ranges,
-        "colour": needs.colour,
-        "camera height": needs.camera_height,
-    }
-    return ", ".join(word for word, wanted in named.items() if wanted)
+    return ", ".join(f.name.replace("_", " ") for f in fields(needs) if getattr(needs, f.name))
 
 
 def defaults(thing: object) -> str:

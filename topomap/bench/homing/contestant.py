@@ -7,15 +7,17 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from topomap.core.errors import DataError
-from topomap.core.geometry import TAU, wrap
+from topomap.core.geometry import wrap
 from topomap.core.panorama import Panorama
-from topomap.core.records import HomeVector
+from topomap.vision.aligned_homing import AlignedHoming
 from topomap.vision.arena import Point
-from topomap.vision.compass import ALIGNERS
-from topomap.vision.contracts import Aligner, HomingMethod, ViewSource
-from topomap.vision.homing import METHODS, POLICIES, REFERENCE_METHODS, GoalView, HomingPolicy, ReferenceHoming, check
+from topomap.vision.compass import ALIGNERS, GivenHeading
+from topomap.vision.contracts import Aligner, GoalView, HomingMethod, HomingPolicy, ReferenceHoming, ViewSource
+from topomap.vision.homing import METHODS, POLICIES, REFERENCE_METHODS
+from topomap.vision.registry import method
 
 GIVEN = "given"
+TOLD = GivenHeading()  # the bench measures its compass beforehand and tells every method the same rotation
 ROWS: Mapping[str, str] = {
     "A1": "visual-compass",
     "A2": "scale-plane",
@@ -64,9 +66,8 @@ class Pairwise:
 
     def bind(self, goal: Panorama, around: Looks) -> Bound:
         """Return the method bound to a goal. Raises DataError."""
-        check(self.method.needs, goal)
-        described = self.method.describe(goal)
-        return Bound(lambda seen: self.method.home(self.method.describe(seen), described), self.method.needs.compass)
+        self.method.needs.check(goal)
+        return Bound(AlignedHoming(TOLD, self.method), goal)
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,10 +86,9 @@ class Referenced:
 
     def bind(self, goal: Panorama, around: Looks) -> Bound:
         """Return the method bound to a goal and its references. Raises DataError."""
-        check(self.method.needs, goal)
+        self.method.needs.check(goal)
         step = self.step or self.method.step
-        view = GoalView(goal, around(step, 0.0), around(0.0, step), step)
-        return Bound(lambda seen: self.method.home(seen, view), self.method.needs.compass)
+        return Bound(AlignedHoming(TOLD, self.method), GoalView(goal, around(step, 0.0), around(0.0, step), step))
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,48 +105,46 @@ class Acting:
 
     def bind(self, goal: Panorama, around: Looks) -> Bound:
         """Return a bound method that never answers. Raises DataError."""
-        check(self.policy.needs, goal)
-        return Bound(lambda _: HomeVector(0.0, None, 0.0), self.policy.needs.compass)
+        self.policy.needs.check(goal)
+        return Bound(AlignedHoming(TOLD, self.policy), goal)
 
 
 @dataclass(frozen=True, slots=True)
 class Bound:
-    """A method that knows its goal: from the current view to a home vector; aligned: it needs aligned views."""
+    """A method that knows its goal."""
 
-    home: Callable[[Panorama], HomeVector]
-    aligned: bool
+    homing: AlignedHoming
+    goal: Panorama | GoalView
+
+    @property
+    def aligned(self) -> bool:
+        """Whether the method needs aligned views."""
+        return self.homing.method is not None and self.homing.method.needs.compass
 
     def direction(self, seen: Panorama, heading: float, rotation: float) -> float:
         """Return the direction of home in the world [rad], NaN where the method has no answer.
 
         seen: the view at a heading [rad]; rotation [rad]: what the compass says of the view against the goal's.
         """
-        columns = seen.columns(rotation) if self.aligned else 0
-        found = self.home(seen.rolled(columns) if columns else seen)
-        if found.confidence <= 0.0:
-            return float("nan")
-        return wrap(found.bearing - columns * TAU / seen.rig.width + heading)
+        found = self.homing.ask(seen, self.goal, rotation)
+        return wrap(found.bearing + heading) if found.confidence > 0.0 else float("nan")
 
 
 def contestants(names: str) -> list[Contestant]:
     """Return the methods of a comma-separated list, or every one for "all". Raises DataError for an unknown name."""
     known = [*METHODS, *REFERENCE_METHODS, *POLICIES]
     wanted = known if names == "all" else [word.strip() for word in names.split(",") if word.strip()]
-    for name in wanted:
-        if name not in known:
-            raise DataError(f"unknown homing method {name!r}; there are {', '.join(known)}")
     if not wanted:
         raise DataError("no homing method is named; say names or 'all'")
     return [contestant(name) for name in dict.fromkeys(wanted)]
 
 
 def contestant(name: str) -> Contestant:
-    """Return the method of a known name."""
-    if name in METHODS:
-        return Pairwise(name, METHODS[name])
-    if name in REFERENCE_METHODS:
-        return Referenced(name, REFERENCE_METHODS[name])
-    return Acting(name, POLICIES[name])
+    """Return the method of a name. Raises DataError for an unknown one."""
+    found = method(name)
+    if isinstance(found, HomingMethod):
+        return Pairwise(name, found)
+    return Acting(name, found) if isinstance(found, HomingPolicy) else Referenced(name, found)
 
 
 def compass(name: str) -> Aligner | None:

@@ -13,9 +13,10 @@ from pydantic import BaseModel, Field
 from topomap.core.arrays import FloatArray
 from topomap.core.geometry import TAU, Pose2, wrap
 from topomap.core.panorama import Panorama
+from topomap.vision.aligned_homing import AlignedHoming
 from topomap.vision.arena import Point
-from topomap.vision.contracts import Aligner, ViewSource
-from topomap.vision.homing.goal_view import HomingPolicy
+from topomap.vision.compass import GivenHeading
+from topomap.vision.contracts import Aligner, HomingPolicy, ViewSource
 
 SLIDES = (0.0, 40.0, 80.0, 110.0, -40.0, -80.0, -110.0)
 """Detours [degrees] that are tried in turn when something stands in the way; mirrored while it slides to the right."""
@@ -97,14 +98,14 @@ class Eyes:
 def policy_walk(policy: HomingPolicy[Any], eyes: Eyes, start: Pose2, home: Point, settings: WalkSettings) -> Walk:
     """Walk as a policy says, each move as long as it wants, for up to `longest_policy` times the direct way."""
     pose, path, state = start, [(start.x, start.y)], policy.start(eyes.goal)
+    homing = AlignedHoming(eyes.aligner or GivenHeading(), policy)
     left = settings.longest_policy * math.dist(path[0], home)
     while left > 0 and math.dist(path[-1], home) > settings.reach:
         seen, rotation = eyes.look(pose)
-        columns = seen.columns(rotation)
-        state, move = policy.step(state, seen.rolled(columns))
+        state, move = homing.move(state, seen, rotation)
         if move.confidence <= 0.0 or not move.distance:
             break
-        wanted = wrap(move.bearing - columns * TAU / seen.rig.width + pose.heading)
+        wanted = wrap(move.bearing + pose.heading)
         free = _free_direction(seen, pose, wanted, settings.model_copy(update={"step": move.distance}))
         if free is None:
             break

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.special import expit
@@ -11,16 +11,22 @@ from scipy.special import expit
 from topomap.core.arrays import BoolArray, FloatArray, IntArray
 from topomap.mapping.closures.claims import Claims
 from topomap.mapping.closures.closure_tests import TESTS, ClosureTest, Knowledge
-from topomap.mapping.closures.clusters import Clusters, clusters_of
+from topomap.mapping.closures.clusters import STRIDE, Clusters, clusters_of
 from topomap.mapping.closures.drive import Drive, MapState
 from topomap.mapping.closures.engine import ClosureEngine
 from topomap.mapping.closures.odds import mahalanobis
+from topomap.mapping.closures.placing import placed
 from topomap.mapping.closures.prevalence import GATE, allowed_by_chance, log_prevalence
 from topomap.mapping.closures.strain import strained
 from topomap.mapping.optimizer import OptimizerSettings
 from topomap.mapping.uncertainty.network import PathNetwork
 
-LIKELY = float(np.log(1000.0))  # log odds from which a claim may bend the growing map: one in 1,000 is false
+SURE = float(np.log(1000.0))  # log odds from which a lone claim bends the growing map, and any is an inlier of the last
+SEVERAL = 3  # claims that agree with one another ...
+LIKELY = float(
+    np.log(20.0)
+)  # ... may bend the growing map sooner: what is false among them strains it and is taken out
+POSSIBLE = float(np.log(5.0))  # ... and where nothing is so likely, sooner still: else a map without a start stays one
 FALSE = 3e-4  # share of false ones that the finished map's closures may hold by their odds
 UNLIKELY = float(np.log(20.0))  # log odds below which none is taken whatever the others are
 FEW = 500  # claims whose best paths are found at once; of more, only those that a quick upper bound leaves
@@ -31,7 +37,7 @@ SETTLED = 1e-3  # share of new closures with which the finished map is no longer
 # new closures may pull the map far: begin with cutoffs that let all of them pull
 GROWING = OptimizerSettings(cutoffs=(1e3, 10.0), iterations=2, tolerance=0.02)
 # 6 sigmas: the noise's scale is that of 99 % of the closures, and real ones have heavy tails
-CLOSING = OptimizerSettings(cutoffs=(20.0, 6.0), cutoff=6.0, iterations=10, tolerance=0.001)
+CLOSING = OptimizerSettings(cutoffs=(20.0, 6.0), cutoff=6.0, iterations=10, tolerance=1e-4)
 
 Told = Callable[[float, str], None]
 
@@ -125,8 +131,10 @@ class Batch:
             near = which[chi2 <= GATE]
             self._odds[which[chi2 > GATE]] = -np.inf
             own = self._claims[near]
-        self._weigh(near, network.errors(own.i, own.j), LIKELY)
-        return np.asarray(near[self._odds[near] >= LIKELY])
+        self._weigh(near, network.errors(own.i, own.j), POSSIBLE)
+        odds, several = self._odds[near], self._clusters.size[self._clusters.label[near]] >= SEVERAL
+        likely = odds >= np.where(several, LIKELY, SURE)
+        return np.asarray(near[likely] if likely.any() else near[several & (odds >= POSSIBLE)])
 
     def _weigh(self, which: IntArray, errors: FloatArray, bar: float) -> None:
         """Set the log odds of some claims by one test after the other; below the bar the last ones aren't asked."""
@@ -148,7 +156,7 @@ class Batch:
         chosen = np.zeros(len(self._clusters), bool)
         chosen[label[new]] = chosen[label[self._standing]] = True
         some = self._clusters.representatives
-        self._solve(some[chosen[label[some]]], GROWING)
+        self._pull(some[chosen[label[some]]])
         chosen[label[self._standing]] = False
         self._tries[chosen] += 1
 
@@ -163,34 +171,68 @@ class Batch:
         suspected = np.zeros(len(self._clusters), bool)
         for turn in range(SETTLINGS):
             self._told(0.7 + 0.3 * turn / SETTLINGS, f"{len(self._standing)} closures, settling")
-            before = len(self._standing)
-            self._solve(self._likely_of_all(), CLOSING)
-            tense = strained(self._map.poses, self._claims, self._clusters.label, self._standing) & ~suspected
+            before, likely = len(self._standing), self._likely_of_all(suspected)
+            if not before:  # all were taken out: what comes back has as far to pull as at first
+                self._pull(likely)
+            self._solve(likely, CLOSING)
+            tense = self._strained() & ~suspected
             if turn == SETTLINGS - 1 or (not tense.any() and len(self._standing) <= before * (1 + SETTLED)):
                 break
             if tense.any():
-                suspected |= tense
+                suspected = suspected | tense
                 self._solve(self._standing[~tense[self._clusters.label[self._standing]]], CLOSING)
         return np.asarray(np.isin(np.arange(len(self._claims)), self._standing))
 
-    def _likely_of_all(self) -> IntArray:
-        """Return all claims that the map makes likely, those of standing clusters by what it knows of one another."""
+    def _pull(self, closures: IntArray) -> None:
+        """Begin a solve with closures that the map may stand far from."""
+        own = self._claims[closures]
+        self._map = replace(self._map, poses=placed(self._map.poses, self._drive.chain(self._map), own))
+        self._solve(closures, GROWING)
+
+    def _strained(self) -> BoolArray:
+        """Return which clusters (K,) strain the map."""
+        label = self._clusters.label
+        return strained(self._map.poses, self._claims, label, self._standing, self._network())
+
+    def _likely_of_all(self, suspected: BoolArray) -> IntArray:
+        """Return all claims that the map makes likely; suspected clusters (K,) come back as they once came in."""
         network, label = self._network(), self._clusters.label
-        some = self._claims
-        errors = network.upper_bounds(some.i, some.j)
-        chi2, _ = mahalanobis(some, self._map.poses, errors)
-        near = np.flatnonzero((chi2 <= 2 * GATE) & self._allowed[label])
-        own = some[near]
+        errors, member = self._beside_standing(network)
+        others = np.flatnonzero(~member & self._allowed[label])
+        own = self._claims[others]
+        chi2, _ = mahalanobis(own, self._map.poses, network.upper_bounds(own.i, own.j))
+        others = others[chi2 <= 2 * GATE]
+        errors[others] = network.errors(self._claims.i[others], self._claims.j[others])
+        near = np.union1d(others, np.flatnonzero(member))
         self._odds[:] = -np.inf
-        self._weigh(near, network.errors(own.i, own.j), UNLIKELY)
+        self._weigh(near, errors[near], UNLIKELY)
         best = near[np.argsort(-self._odds[near], kind="stable")]
         best = best[self._odds[best] >= UNLIKELY]
         false = np.cumsum(expit(-self._odds[best])) / np.arange(1, len(best) + 1)
-        return np.sort(best[(false <= FALSE) | (self._odds[best] >= LIKELY)])
+        back = suspected[label[best]] & (self._clusters.size[label[best]] >= SEVERAL)
+        return np.sort(best[(false <= FALSE) | (self._odds[best] >= np.where(back, LIKELY, SURE))])
+
+    def _beside_standing(self, network: PathNetwork) -> tuple[FloatArray, BoolArray]:
+        """Return errors (M, 3, 3) about the origin for members of standing clusters, and which claims (M,) these are.
+
+        A member's path leads over the closure of the same cluster beside it: no search is needed for each of thousands.
+        """
+        claims, standing = self._claims, self._standing
+        cell = self._clusters.label * (len(self._map.poses) // STRIDE + 1) + claims.i // STRIDE
+        cells, first = np.unique(cell[standing], return_index=True)
+        anchors = standing[first]
+        place = np.minimum(np.searchsorted(cells, cell), max(len(cells) - 1, 0))
+        member = cells[place] == cell if len(cells) else np.zeros(len(claims), bool)
+        errors = np.zeros((len(claims), 3, 3))
+        known = network.errors(claims.i[anchors], claims.j[anchors])
+        own, beside = np.flatnonzero(member), anchors[place[member]]
+        errors[own] = known[place[own]] + network.along(claims.i[own], claims.i[beside])
+        errors[own] += network.along(claims.j[own], claims.j[beside])
+        return errors, member
 
     def _reasons(self, inlier: BoolArray) -> tuple[str, ...]:
         """Return why each claim is in or out."""
         allowed = self._allowed[self._clusters.label]
         words = np.where(inlier, "fits the map with all other closures", "the map makes it unlikely")
-        words = np.where(~inlier & (self._odds >= LIKELY), "likely, but the map can't fit it beside the others", words)
+        words = np.where(~inlier & (self._odds >= SURE), "likely, but the map can't fit it beside the others", words)
         return tuple(np.where(allowed, words, "odometry contradicts it").tolist())

@@ -9,8 +9,16 @@ import numpy as np
 from scipy.special import chdtri
 
 from topomap.core.arrays import FloatArray, IntArray
+from topomap.core.geometry import between, wrap_all
 from topomap.mapping.closures.claims import Claims
-from topomap.mapping.closures.odds import log_chance, log_crowding, log_density, mahalanobis
+from topomap.mapping.closures.odds import (
+    FALSE_DISTANCE,
+    FALSE_ROTATION,
+    log_chance,
+    log_crowding,
+    log_density,
+    mahalanobis,
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,10 +91,36 @@ class Odometry:
     lowers: bool = True
 
     def weigh(self, claims: Claims, knowledge: Knowledge) -> FloatArray:
-        """Return the log density of each claim (n,) by the map over that of any claim."""
+        """Return the log density of each claim (n,) by the map over that of any claim.
+
+        Where the map knows nothing, as across a gap in the odometry, a true claim is no less likely than any other.
+        """
         chi2, determinant = mahalanobis(claims, knowledge.poses, knowledge.errors)
         blind = claims.blind
-        return log_density(chi2, determinant, blind) - log_chance(knowledge.poses, blind)
+        even = log_chance(knowledge.poses, blind)
+        peak = log_density(np.zeros(len(claims)), determinant, blind)
+        return log_density(chi2, determinant, blind) - peak + np.maximum(peak, even) - even
+
+
+@dataclass(frozen=True, slots=True)
+class Apart:
+    """Refuses what would be a false closure by its definition: the map has the places farther from what is claimed.
+
+    Heavy tails let through what is off by several sigmas; more than 1 m or 20 degrees of it is another place, unless
+    claim and map are as vague as that.
+    """
+
+    name: str = "apart"
+    lowers: bool = True
+
+    def weigh(self, claims: Claims, knowledge: Knowledge) -> FloatArray:
+        """Return 0 or minus infinity (n,)."""
+        missed = between(knowledge.poses[claims.i], knowledge.poses[claims.j]) - claims.relative
+        far = np.hypot(missed[:, 0], missed[:, 1]) > FALSE_DISTANCE
+        turned = ~claims.blind & (np.abs(wrap_all(missed[:, 2])) > FALSE_ROTATION)
+        chi2, _ = mahalanobis(claims, knowledge.poses, knowledge.errors)
+        sure = chi2 > chdtri(np.where(claims.blind, 2, 3), 0.01)
+        return np.where((far | turned) & sure, -np.inf, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,4 +161,4 @@ class Gate:
         return np.where(chi2 <= chdtri(np.where(claims.blind, 2, 3), 1 - self.probability), 0.0, -np.inf)
 
 
-TESTS: tuple[ClosureTest, ...] = (Looks(), Prevalence(), Odometry(), Crowding())
+TESTS: tuple[ClosureTest, ...] = (Looks(), Prevalence(), Odometry(), Apart(), Crowding())

@@ -3,22 +3,22 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.special import chdtri
+from scipy.special import chdtri, gammaln
 
 from topomap.core.arrays import FloatArray, IntArray
 from topomap.mapping.closures.claims import Claims
 from topomap.mapping.closures.clusters import loops_of
-from topomap.mapping.closures.odds import log_chance, mahalanobis
+from topomap.mapping.closures.odds import TAILS, log_chance, mahalanobis
 from topomap.mapping.uncertainty.network import PathNetwork
 from topomap.mapping.uncertainty.odometry_chain import Chain
 
 LONGEST = 64.0  # a claim's own loop with odometry is at most so long [m]: longer ones rest on odometry's drift
 ASKED = 4000  # claims whose loops are heard: enough for a variance to 3 %
 STARTS = (1.0, 1e-1, 1e-2, 1e-3, 1e-4)
-ROUNDS, FEWEST = 30, 10
+ROUNDS, FEWEST = 30, 30
 # of the true loops, up to the limit of a claim that fits; more than their mean square where tails are heavy
 SHARE = 0.99
-WIDER = 1000.0  # times the factor of true loops is that of false ones between near places at least: metres, not cm
+WIDER = 30.0  # times the scale of true loops is that of false ones between near places at least
 WORST = 1e6  # a loop further off [squared Mahalanobis distance] is false whatever the factor
 
 
@@ -27,7 +27,7 @@ def variance_factor(claims: Claims, chain: Chain) -> float:
 
     Short loops, through two neighbouring claims and odometry or through one and odometry, miss of closing by the noise
     if they are true and by anything if one is false: a mixture of the two is fitted (expectation and maximisation) from
-    several starts. With fewer than 10 true loops the statement stands: 1. The claims stand in order of i, then of j.
+    several starts. With fewer than 30 true loops the statement stands: 1. The claims stand in order of i, then of j.
     """
     asked = np.unique(np.linspace(0, len(claims) - 1, min(ASKED, len(claims))).astype(np.int64))
     a, _, between = loops_of(claims, chain, asked, WORST)
@@ -49,28 +49,32 @@ def _ends(claims: Claims, which: IntArray) -> tuple[IntArray, IntArray]:
     return claims.i[which], claims.j[which]
 
 
-def _mixture(chi2: FloatArray, peak: FloatArray, factor: float) -> tuple[float, float, float]:
+def _mixture(chi2: FloatArray, peak: FloatArray, scale: float) -> tuple[float, float, float]:
     """Return log likelihood, factor and number of true loops; chi2, peak (n,): log density at 0 over an even one.
 
-    A false loop misses by anything, or, as its claims speak of near places too, by some metres: the third component is
-    as the first with a factor of its own.
+    True loops have heavy tails (Student's t). A false loop misses by anything, or, as claims speak of near places or
+    come in groups, by some metres: a normal with a wider scale of its own.
     """
     order, likelihood = np.argsort(chi2), -np.inf
-    shares, wide = np.array([0.4, 0.2, 0.4]), 1e3 * factor
+    shares, wide = np.array([0.4, 0.2, 0.4]), 1e3 * scale
     weights = np.zeros((3, len(chi2)))
     for _ in range(ROUNDS):
-        logs = np.stack([_log_normal(chi2, peak, factor), _log_normal(chi2, peak, wide), np.zeros(len(chi2))])
+        logs = np.stack([_log_t(chi2, peak, scale), peak - 1.5 * np.log(wide) - chi2 / (2 * wide), np.zeros(len(chi2))])
         logs += np.log(shares)[:, None]
         each = np.logaddexp.reduce(logs, axis=0)
         likelihood = float(each.sum())
         weights = np.exp(logs - each)
         shares = np.clip(weights.mean(axis=1), 1e-6, 1 - 1e-6)
-        total = np.cumsum(weights[0][order])
-        last = min(int(np.searchsorted(total, SHARE * total[-1])), len(order) - 1)
-        factor = max(float(chi2[order][last]) / float(chdtri(3, 1 - SHARE)), 1e-12)
-        wide = max(float(weights[1] @ chi2) / max(3 * float(weights[1].sum()), 1e-12), WIDER * factor)
-    return likelihood, factor, float(weights[0].sum())
+        pull = weights[0] * (TAILS + 3) / (TAILS + chi2 / scale)
+        scale = max(float(pull @ chi2) / max(3 * float(weights[0].sum()), 1e-12), 1e-12)
+        wide = max(float(weights[1] @ chi2) / max(3 * float(weights[1].sum()), 1e-12), WIDER * scale)
+    total = np.cumsum(weights[0][order])
+    share = min(SHARE, 1.0 - 0.5 / max(float(total[-1]), 1.0))  # of a few loops the last one isn't the 99th in 100
+    last = min(int(np.searchsorted(total, share * total[-1])), len(order) - 1)
+    return likelihood, float(chi2[order][last]) / float(chdtri(3, 1 - share)), float(total[-1])
 
 
-def _log_normal(chi2: FloatArray, peak: FloatArray, factor: float) -> FloatArray:
-    return np.asarray(peak - 1.5 * np.log(factor) - chi2 / (2 * factor))
+def _log_t(chi2: FloatArray, peak: FloatArray, scale: float) -> FloatArray:
+    """Return (n,) log densities of Student's t over an even one; peak: the normal's at 0."""
+    tails = gammaln((TAILS + 3) / 2) - gammaln(TAILS / 2) - 1.5 * np.log(TAILS / 2)
+    return np.asarray(peak + tails - 1.5 * np.log(scale) - (TAILS + 3) / 2 * np.log1p(chi2 / (TAILS * scale)))

@@ -10,8 +10,10 @@ from topomap.mapping.closures.odds import mahalanobis
 from topomap.mapping.uncertainty.network import PathNetwork
 
 GATE = 30.0  # squared Mahalanobis distance of a claim that odometry alone can't explain: 1 true one in 700,000
-SIZES = np.array([2, 3, 5])  # sizes at which clusters begin to be of another kind: alone, a pair, some, many
+SIZES = np.array([2, 3, 5, 8, 13, 21])  # sizes at which clusters begin to be of another kind: alone, a pair, some, many
 SAMPLE = 20_000  # claims with ends of others, drawn once and the same way each time
+# claims of a kind, true and false, before any is seen: where odometry refuses none, there is no sign of false ones
+BEFORE = (1.0, 0.1)
 MOST = 0.95  # of the false ones that odometry allows at most; nearer to 1 those refused tell nothing of the others
 
 
@@ -39,4 +41,4 @@ def log_prevalence(size: IntArray, allowed: BoolArray, by_chance: float) -> Floa
     refused = np.bincount(kind[~allowed], minlength=len(SIZES) + 1)
     false = refused / (1.0 - by_chance)
     true = np.maximum(kept - by_chance * false, 0.0)
-    return np.asarray(np.log((true + 0.5) / (false + 0.5))[kind])
+    return np.asarray(np.log((true + BEFORE[0]) / (false + BEFORE[1]))[kind])

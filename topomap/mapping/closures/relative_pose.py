@@ -12,7 +12,7 @@ from topomap.core.arrays import Float32Array, FloatArray
 from topomap.core.geometry import Pose2, wrap
 from topomap.core.panorama import Panorama
 from topomap.mapping.closures.appearance import Look
-from topomap.mapping.odometry.scan_match import ScanMatch, ScanMatchSettings, match_scans, seen_scans
+from topomap.mapping.odometry.scan_match import MEASURED, SEEN, ScanMatch, Surfaces, match_scans
 from topomap.vision.image.ground_line import ground_ranges
 
 
@@ -24,10 +24,8 @@ class RelativePoseSettings(BaseModel, frozen=True, extra="forbid"):
     scan_sigma: float = Field(0.03, gt=0, description="least error of a position measured by ranges [m]")
     scan_heading_sigma_deg: float = Field(0.5, gt=0, description="least error of a rotation by ranges [degree]")
     reach: tuple[float, ...] = Field((0.0, 0.25, 0.5), description="distances at which ranges begin to search [m]")
-    scans: ScanMatchSettings = Field(default_factory=ScanMatchSettings)
     seen_sigma: float = Field(0.1, gt=0, description="least error of a position measured by the ground line [m]")
     seen_heading_sigma_deg: float = Field(2.0, gt=0, description="least error of a rotation by it [degree]")
-    seen_scans: ScanMatchSettings = Field(default_factory=seen_scans)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,16 +67,14 @@ class RelativePoseEstimator:
         if place is None:
             return None, self._floor
         if place.ranges is not None and view.ranges is not None:
-            found = self._best_match(look, place.ranges, view.ranges, self._s.scans)
+            found = self._best_match(look, place.ranges, view.ranges, MEASURED)
             if found is not None:
                 return found, self._floor
-        return self._best_match(look, ground_ranges(place), ground_ranges(view), self._s.seen_scans), self._seen_floor
+        return self._best_match(look, ground_ranges(place), ground_ranges(view), SEEN), self._seen_floor
 
-    def _best_match(
-        self, look: Look, place: Float32Array, view: Float32Array, settings: ScanMatchSettings
-    ) -> ScanMatch | None:
+    def _best_match(self, look: Look, place: Float32Array, view: Float32Array, surfaces: Surfaces) -> ScanMatch | None:
         """Search from the same spot and from some way along the home vector's line; the most rays win."""
-        found = [match_scans(place, view, guess, settings) for guess in self._guesses(look)]
+        found = [match_scans(place, view, guess, surfaces) for guess in self._guesses(look)]
         matches = [match for match in found if match is not None]
         return max(matches, key=lambda match: match.share, default=None)
 

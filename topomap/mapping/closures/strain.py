@@ -1,6 +1,8 @@
-"""Which closures strain a map: the mean of what neighbouring ones miss by is far more than their noise."""
+"""Which closures strain a map: without them it would stand where they couldn't be true."""
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 
@@ -8,33 +10,61 @@ from topomap.core.arrays import BoolArray, FloatArray, IntArray
 from topomap.core.geometry import between, wrap_all
 from topomap.mapping.closures.claims import Claims
 from topomap.mapping.closures.clusters import STRIDE
+from topomap.mapping.uncertainty.network import PathNetwork
 
-STRAIN = 16.3  # chi-squared of 3 dof that 99.9 % of means stay within
+STRAIN = 16.3  # chi-squared of 3 dof that 99.9 % of true closures stay within
 
 
-def strained(poses: FloatArray, claims: Claims, label: IntArray, standing: IntArray) -> BoolArray:
-    """Return which clusters (K,) strain a map of poses (N, 3).
+class Missed(NamedTuple):
+    """What the members of C cells of clusters miss by together, in the map's axes.
 
-    label (M,): the claims' clusters, 0 to K - 1; standing (n,): the claims the map was solved with. What the members of
-    a cluster within some places miss by is carried to one of them, in the map's axes, and its mean held against the
-    covariance of a mean.
+    label (C,): the cluster; i, j (C,): places of one member; mean (C, 3) [m, rad] with covariance (C, 3, 3).
+    """
+
+    label: IntArray
+    i: IntArray
+    j: IntArray
+    mean: FloatArray
+    covariance: FloatArray
+
+
+def strained(poses: FloatArray, claims: Claims, label: IntArray, standing: IntArray, network: PathNetwork) -> BoolArray:
+    """Return which clusters (K,) strain a map of poses (N, 3) that was solved with all that stand.
+
+    label (M,): the claims' clusters, 0 to K - 1; standing (n,): the claims the map was solved with; network: the map's
+    paths, these closures included. A closure that bends the map misses by little itself: what it would miss by without
+    itself follows from that, from its own covariance C and from the rest's S as (S + C) C^-1 of what it misses by.
     """
     result = np.zeros(int(label.max(initial=-1)) + 1, bool)
     if not len(standing):
         return result
-    own = claims[standing]
-    cell = label[standing] * (len(poses) // STRIDE + 1) + own.i // STRIDE
+    cells = _cells(poses, claims[standing], label[standing])
+    rest = _at(network.errors(cells.i, cells.j, cells.label), poses[cells.j])
+    pull = np.linalg.solve(cells.covariance, cells.mean[:, :, None])
+    blind = claims[standing].blind.all()
+    if blind:
+        pull[:, 2] = 0.0
+    chi2 = (pull.transpose(0, 2, 1) @ (rest + cells.covariance) @ pull)[:, 0, 0]
+    result[cells.label[chi2 > STRAIN]] = True
+    return result
+
+
+def _cells(poses: FloatArray, own: Claims, label: IntArray) -> Missed:
+    """Carry what the members of a cluster within some places miss by to one of them, and take the mean."""
+    cell = label * (len(poses) // STRIDE + 1) + own.i // STRIDE
     cells, first, place, count = np.unique(cell, return_index=True, return_inverse=True, return_counts=True)
     missed, covariance = _in_map_axes(poses, own, own.j[first][place])
     mean, spread = np.zeros((len(cells), 3)), np.zeros((len(cells), 3, 3))
     np.add.at(mean, place, missed)
     np.add.at(spread, place, covariance)
-    mean, spread = mean / count[:, None], spread / (count**2)[:, None, None]
-    dof = np.where(own.blind[first], 2, 3)
-    mean[dof == 2, 2] = 0.0
-    chi2 = (mean * np.linalg.solve(spread, mean[:, :, None])[:, :, 0]).sum(axis=1)
-    result[label[standing][first[chi2 > STRAIN]]] = True
-    return result
+    return Missed(label[first], own.i[first], own.j[first], mean / count[:, None], spread / (count**2)[:, None, None])
+
+
+def _at(errors: FloatArray, poses: FloatArray) -> FloatArray:
+    """Return errors (n, 3, 3) about the origin as those at poses (n, 3), in the map's axes."""
+    lever = np.tile(np.eye(3), (len(poses), 1, 1))
+    lever[:, 0, 2], lever[:, 1, 2] = -poses[:, 1], poses[:, 0]
+    return np.asarray(lever @ errors @ lever.transpose(0, 2, 1))
 
 
 def _in_map_axes(poses: FloatArray, own: Claims, at: IntArray) -> tuple[FloatArray, FloatArray]:

@@ -6,7 +6,6 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from pydantic import BaseModel, Field
 
 from topomap.core.arrays import FloatArray
 from topomap.core.records import CalibrationState, Estimate
@@ -15,22 +14,24 @@ from topomap.mapping.odometry.increments import Calibration
 MAD_TO_SIGMA = 1.4826  # of a normal distribution
 
 
-class DistanceScaleSettings(BaseModel, frozen=True, extra="forbid"):
-    """How measured distances are compared with the odometer's."""
-
-    max_change: float = Field(0.25, gt=0, le=1, description="a scale further from 1 is a wrong measurement")
-    min_moves: int = Field(8, ge=2, description="moves before the scale counts as seen")
-    outlier: float = Field(3.0, gt=0, description="moves this many sigmas from the others don't count")
-    floor: float = Field(0.002, gt=0, le=0.1, description="error that more moves don't take away")
-    seen_floor: float = Field(0.015, gt=0, le=0.1, description="... by the share of moves that were seen, not measured")
-    prior_sigma: float = Field(0.1, gt=0, le=1, description="sigma of the scale before anything is seen")
+MAX_CHANGE = 0.25
+"""A scale further from 1 is a wrong measurement: the conditions' worst odometer is 10 to 12 % off."""
+MIN_MOVES = 8
+"""Moves before the scale counts as seen: of eight, three wrong ones don't move the median far."""
+OUTLIER = 3.0
+"""Moves this many sigmas from the others don't count."""
+FLOOR = 0.002
+"""Error that more moves don't take away: scales by ranges came out 0.2 to 0.6 % off ..."""
+SEEN_FLOOR = 0.015
+"""... and by the ground line more, whose rows are read to half a pixel: by the share of moves that were seen."""
+PRIOR_SIGMA = 0.1
+"""Sigma of the scale before anything is seen: covers the conditions' odometers, 5 and 10 % off."""
 
 
 class DistanceScale:
     """Estimates the distance scale [odometer's metres per metre] from moves that were measured otherwise as well."""
 
-    def __init__(self, settings: DistanceScaleSettings | None = None) -> None:
-        self._s = settings or DistanceScaleSettings()
+    def __init__(self) -> None:
         self._moves: list[tuple[float, float, bool]] = []
 
     def add(self, read: float, measured: float, sigma: float, seen: bool = False) -> None:
@@ -38,22 +39,22 @@ class DistanceScale:
 
         seen: measured by the ground line, whose bias doesn't average out over many moves.
         """
-        if measured > 0 and abs(read / measured - 1.0) <= self._s.max_change:
+        if measured > 0 and abs(read / measured - 1.0) <= MAX_CHANGE:
             self._moves.append((read / measured, sigma / measured, seen))
 
     def estimate(self) -> Estimate:
         """Return the distance scale with its sigma; 1 with the prior's sigma as long as it isn't observed."""
-        unknown = Estimate(1.0, self._s.prior_sigma, False)
-        if len(self._moves) < self._s.min_moves:
+        unknown = Estimate(1.0, PRIOR_SIGMA, False)
+        if len(self._moves) < MIN_MOVES:
             return unknown
         scales, sigmas, seen = np.array(self._moves).T
         away = np.abs(scales - np.median(scales))
         # sigmas are only known up to a factor: the moves' own spread gives it
         sigmas = sigmas * max(1.0, MAD_TO_SIGMA * float(np.median(away / sigmas)))
-        weights = np.where(away <= self._s.outlier * sigmas, sigmas**-2.0, 0.0)
+        weights = np.where(away <= OUTLIER * sigmas, sigmas**-2.0, 0.0)
         total = float(weights.sum())
-        sigma = math.hypot(total**-0.5, self._s.floor, self._s.seen_floor * float(weights @ seen) / total)
-        if sigma > 0.5 * self._s.prior_sigma:
+        sigma = math.hypot(total**-0.5, FLOOR, SEEN_FLOOR * float(weights @ seen) / total)
+        if sigma > 0.5 * PRIOR_SIGMA:
             return unknown
         return Estimate(float(weights @ scales / total), sigma, True)
 

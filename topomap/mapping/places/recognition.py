@@ -16,6 +16,19 @@ from topomap.core.records import PlaceMatch
 from topomap.mapping.places.place_index import PlaceIndex
 from topomap.vision.image.compare import RotationDifferences, Signature, signature
 
+MEMORY = 300
+"""Steps over which the usual difference is taken: 30 m at 0.1 m a step, so that it follows
+from a room into a corridor and isn't one view's."""
+LAG = 2
+"""Steps to either side over which the difference has its minimum: 0.4 m in all, over which the difference
+rises by 0.3 or more in all worlds looked at."""
+SHORTLIST = 8
+"""Most similar nodes that are compared in detail, by min-warping: each costs a step as much time again."""
+COMPARED = 400
+"""Nodes within reach that are compared; of more, the most similar, so that no step grows with the map."""
+PAUSE = 0.3
+"""[m] Way between proposals: closer ones see the same pair of nodes."""
+
 
 class RecognitionSettings(BaseModel, frozen=True, extra="forbid"):
     """When a place is proposed as seen before."""
@@ -24,11 +37,6 @@ class RecognitionSettings(BaseModel, frozen=True, extra="forbid"):
     threshold: float = Field(
         0.95, gt=0, description="nothing is proposed above this share of the median difference to other places"
     )
-    memory: int = Field(300, ge=1, description="steps over which that median is taken")
-    lag: int = Field(2, ge=1, description="steps to either side over which the difference has its minimum")
-    shortlist: int = Field(8, ge=1, description="most similar nodes that are compared in detail")
-    compared: int = Field(400, ge=1, description="nodes within reach that are compared; of more, the most similar")
-    pause: float = Field(0.3, ge=0, description="way between proposals [m]")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,8 +76,8 @@ class Recognition:
         self._index = PlaceIndex()
         self._nodes = array("q")
         self._travel: list[float] = []
-        self._recent: deque[Moment] = deque(maxlen=2 * settings.lag + 1)
-        self._usual: deque[float] = deque(maxlen=settings.memory)
+        self._recent: deque[Moment] = deque(maxlen=2 * LAG + 1)
+        self._usual: deque[float] = deque(maxlen=MEMORY)
         self._last_proposal = -np.inf
 
     def add(self, node: int, travel: float, panorama: Panorama) -> None:
@@ -98,13 +106,13 @@ class Recognition:
         self, view: Signature, travel: float, reachable: IntArray
     ) -> tuple[tuple[PlaceMatch, ...], tuple[PlaceMatch, ...]]:
         """Return the reachable places, of too many those that look most alike, and the likeliest ones anywhere."""
-        s, old = self._s, self._old(travel)
-        if len(reachable) > s.compared:
-            likely = self._matches(*self._index.search(view, max(s.compared, s.shortlist), old))
+        old = self._old(travel)
+        if len(reachable) > COMPARED:
+            likely = self._matches(*self._index.search(view, COMPARED, old))
             within = set(reachable.tolist())
-            return tuple(match for match in likely if match.node in within), likely[: s.shortlist]
+            return tuple(match for match in likely if match.node in within), likely[:SHORTLIST]
         places = np.searchsorted(np.array(self._nodes), reachable)
-        rivals = self._matches(*self._index.search(view, s.shortlist, old))
+        rivals = self._matches(*self._index.search(view, SHORTLIST, old))
         return self._matches(places, self._index.compare(view, places)), rivals
 
     @property
@@ -127,20 +135,20 @@ class Recognition:
 
     def proposal(self) -> Proposal | None:
         """Return the moment `lag` steps ago if the view was then most like a place within reach, once a pass."""
-        if len(self._recent) < 2 * self._s.lag + 1:
+        if len(self._recent) < 2 * LAG + 1:
             return None
-        moment = self._recent[self._s.lag]
-        if not moment.places or moment.travel - self._last_proposal < self._s.pause:
+        moment = self._recent[LAG]
+        if not moment.places or moment.travel - self._last_proposal < PAUSE:
             return None
         best = moment.places[0]
         if best.difference > self.limit or not self._is_minimum(best.node):
             return None
         self._last_proposal = moment.travel
-        return Proposal(moment, moment.places[: self._s.shortlist], moment.rivals, self.limit)
+        return Proposal(moment, moment.places[:SHORTLIST], moment.rivals, self.limit)
 
     def _is_minimum(self, node: int) -> bool:
         curve = [moment.difference.get(node, np.inf) for moment in self._recent]
-        return int(np.argmin(curve)) == self._s.lag
+        return int(np.argmin(curve)) == LAG
 
     def _old(self, travel: float) -> int:
         # the snapshots are in travel order: a head of them is old enough

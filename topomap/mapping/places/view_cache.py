@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections import OrderedDict
 
+from topomap.core.encoded import decode
 from topomap.core.panorama import Panorama
 from topomap.mapping.graph import Snapshot, TopoMap
-from topomap.vision.image.decode import decode
 
 
 class ViewCache:

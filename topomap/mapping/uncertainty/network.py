@@ -65,20 +65,21 @@ class PathNetwork:
         without (n,): closures of this label aren't used, -1 for none.
         """
         if not self._closed:
-            return self._along_chain(i, j)
+            return self.along(i, j)
         skip = np.full(len(i), NEVER) if without is None else without
         return np.asarray(path_errors(*self._edges, self._chain.calibration, i, j, skip))
 
     def upper_bounds(self, i: IntArray, j: IntArray) -> FloatArray:
         """Return (n, 3, 3) errors about the origin that are no smaller than `errors`: by the best of some detours."""
         if not self._closed:
-            return self._along_chain(i, j)
+            return self.along(i, j)
         nodes = len(self._chain.poses)
         roots = np.unique(np.linspace(0, nodes - 1, min(ROOTS, nodes)).astype(np.int64))
         random, systematic = tree_errors(*self._edges, self._chain.calibration, roots)
         return np.asarray(bounds(random, systematic, self._chain.calibration, i, j))
 
-    def _along_chain(self, i: IntArray, j: IntArray) -> FloatArray:
+    def along(self, i: IntArray, j: IntArray) -> FloatArray:
+        """Return (n, 3, 3) the errors about the origin between places i and j (n,) by odometry alone."""
         low, high = np.minimum(i, j), np.maximum(i, j)
         systematic = self._chain.systematic[high] - self._chain.systematic[low]
         shared = systematic @ self._chain.calibration @ systematic.transpose(0, 2, 1)

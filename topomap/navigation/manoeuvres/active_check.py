@@ -17,20 +17,27 @@ from topomap.navigation.pilot import Pilot
 from topomap.vision.contracts import Aligner
 from topomap.vision.image.aligned_difference import aligned_difference
 
+WAY = 0.6
+"""[m] Longest way that is homed, and that a candidate may lie behind: over it the difference doubles or more in all
+worlds looked at (0.17 to 0.37 at 0.1 m, 0.54 to 1.02 at 0.5 m)."""
+SPEED = 0.2
+"""[m/s] Limit meanwhile: a view every 5 cm."""
+STEPS = 40
+"""Steps after which the check is given up: three times what the way takes at this speed and 0.25 s a step."""
+APART = 0.03
+"""[m] Way between two views that are compared: nearer ones differ by about what pixel noise makes."""
+VIEWS = 5
+"""Views without which nothing is said: four show such a trend by chance in one case of six, five in one of nine."""
+TREND = 0.6
+"""Kendall's tau of difference and way from which on it has a trend: ten views show it by chance once in a hundred."""
+FALL = 0.8
+"""Share of its start below which the difference has fallen: far more than pixel noise, 0.01, takes off."""
+
 
 class ActiveSettings(BaseModel, frozen=True, extra="forbid"):
-    """Whether and how a pending closure is checked by homing."""
+    """Whether a pending closure is checked by homing."""
 
     on: bool = Field(False, description="check pending closures by homing a short way, while the stack steers")
-    way: float = Field(0.6, gt=0, description="longest way that is homed, and that a candidate may lie behind [m]")
-    speed: float = Field(0.2, gt=0, description="speed limit meanwhile [m/s]")
-    steps: int = Field(40, ge=1, description="steps after which the check is given up")
-    apart: float = Field(0.03, gt=0, description="way between two views that are compared [m]")
-    views: int = Field(5, ge=3, description="views without which nothing is said")
-    trend: float = Field(
-        0.6, gt=0, le=1, description="Kendall's tau of difference and way from which on it has a trend"
-    )
-    fall: float = Field(0.8, gt=0, lt=1, description="share of its start below which the difference has fallen")
 
 
 class _Approach:
@@ -47,7 +54,7 @@ class _Approach:
 class ActiveCheck:
     """Takes the wheels for one pending candidate at a time, once for each, and tells the mapper what it saw.
 
-    The homing aligner must give home vectors as well (min-warping does).
+    homing: the traveller's own `AlignedHoming`, or any aligner that gives home vectors as well.
     """
 
     def __init__(self, settings: ActiveSettings, pilot: Pilot, homing: Aligner) -> None:
@@ -70,7 +77,7 @@ class ActiveCheck:
         track, topo = mapper.track, mapper.map
         for candidate in reversed(mapper.ledger.pending):
             assert candidate.query is not None
-            near = track.travel - topo.nodes[candidate.query].travel <= self._s.way
+            near = track.travel - topo.nodes[candidate.query].travel <= WAY
             if near and key_of(candidate) not in self._tried:
                 self._tried.add(key_of(candidate))
                 turned = track.pose.heading - topo.pose(candidate.query).heading - track.turn
@@ -88,7 +95,7 @@ class ActiveCheck:
         approach.rotation = wrap(alignment.rotation - aside)
         difference = aligned_difference(panorama, view, alignment.rotation)
         way = mapper.track.travel - approach.began
-        if not approach.seen or way - approach.seen[-1][0] >= self._s.apart:
+        if not approach.seen or way - approach.seen[-1][0] >= APART:
             approach.seen.append((way, difference))
         travel = Travel(Phase.TRAVEL, goal, alignment.home, difference, note="active check")
         home = alignment.home
@@ -96,10 +103,10 @@ class ActiveCheck:
             return self._from_here(approach, mapper, travel)
         if contact:
             return self._end(approach, mapper, travel, "contact")
-        command = self._pilot.steer(home.bearing, panorama.ranges, self._s.speed)
-        if command != self._pilot.steer(home.bearing, None, self._s.speed):
+        command = self._pilot.steer(home.bearing, panorama.ranges, SPEED)
+        if command != self._pilot.steer(home.bearing, None, SPEED):
             return self._end(approach, mapper, travel, "something stands in the way")
-        if way >= self._s.way or approach.steps >= self._s.steps or self._fallen(approach):
+        if way >= WAY or approach.steps >= STEPS or self._fallen(approach):
             return self._end(approach, mapper, travel, "")
         return command, travel
 
@@ -128,15 +135,15 @@ class ActiveCheck:
 
     def _fallen(self, approach: _Approach) -> bool:
         differences = [difference for _, difference in approach.seen]
-        return self._trend(differences) <= -self._s.trend and differences[-1] <= self._s.fall * differences[0]
+        return self._trend(differences) <= -TREND and differences[-1] <= FALL * differences[0]
 
     def _risen(self, approach: _Approach) -> bool:
         differences = [difference for _, difference in approach.seen]
-        return self._trend(differences) >= self._s.trend and differences[-1] > differences[0]
+        return self._trend(differences) >= TREND and differences[-1] > differences[0]
 
     def _trend(self, differences: list[float]) -> float:
         """Return Kendall's tau of differences in the order they were seen, in [-1, 1]; 0 where they are too few."""
-        if len(differences) < self._s.views:
+        if len(differences) < VIEWS:
             return 0.0
         return float(np.mean([np.sign(later - earlier) for earlier, later in combinations(differences, 2)]))
 

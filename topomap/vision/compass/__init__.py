@@ -9,6 +9,7 @@ from topomap.vision.compass.rearrangement import Rearrangement
 from topomap.vision.compass.scale_plane_compass import ScalePlaneCompass
 from topomap.vision.compass.visual_compass import VisualCompass
 from topomap.vision.contracts import Aligner
+from topomap.vision.homing.auto import Auto
 
 ALIGNERS: dict[str, Aligner] = {
     "visual-compass": VisualCompass(),
@@ -23,6 +24,7 @@ ALIGNERS: dict[str, Aligner] = {
     "given": GivenHeading(),
     "convergence-points": ConvergencePoints(),
     "epipolar": EpipolarCompass(),
+    "auto": Auto(),
 }
 
 __all__ = [

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from topomap.core.arrays import FloatArray
 from topomap.core.geometry import wrap
 from topomap.core.panorama import Panorama
 from topomap.core.records import Alignment, HomeVector
+from topomap.vision.contracts import Needs, Origin
 from topomap.vision.homing.view_vector import same_views
 from topomap.vision.image.colour_features import features
 from topomap.vision.image.distances import Source, distances
@@ -29,6 +30,9 @@ class ConvergencePoints:
     and colour; the residual is the rms of the fit [m]. Raises DataError, ShapeError.
     """
 
+    origin: ClassVar[Origin] = Origin("A8", "3.20-3.22, fig. 3.2")
+    needs: ClassVar[Needs] = Needs(ranges=True, colour=True)
+    claims_homing: ClassVar[bool] = True
     distance: Source = "range"
     form: Literal["rgb", "hsv"] = "rgb"
     power: float = 3.0

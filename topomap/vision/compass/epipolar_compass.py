@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import ClassVar
 
 from topomap.core.panorama import Panorama
 from topomap.core.records import Alignment
+from topomap.vision.contracts import Needs, Origin
 from topomap.vision.homing.epipolar import Epipolar, home_of
 from topomap.vision.image.keypoints import keypoints
 
@@ -20,6 +22,9 @@ class EpipolarCompass:
     The residual is the share of the matches' weight that disagrees, 1 without matches. Raises ShapeError.
     """
 
+    origin: ClassVar[Origin] = Origin("own", "planar epipolar geometry")
+    needs: ClassVar[Needs] = Needs()
+    claims_homing: ClassVar[bool] = True
     method: Epipolar = EPIPOLAR
     window: float = math.radians(30.0)
 

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 from topomap.core.geometry import wrap
 from topomap.core.panorama import Panorama
 from topomap.core.records import Alignment
+from topomap.vision.contracts import Needs, Origin
 from topomap.vision.image.compare import ARRIVAL, SignatureSpec, rms, signature
 
 
@@ -14,6 +16,9 @@ from topomap.vision.image.compare import ARRIVAL, SignatureSpec, rms, signature
 class GivenHeading:
     """The prior itself; without one the headings are taken as the same. The residual is the aligned rms."""
 
+    origin: ClassVar[Origin] = Origin("A7", "2.6.4.1")
+    needs: ClassVar[Needs] = Needs(heading=True)
+    claims_homing: ClassVar[bool] = False
     spec: SignatureSpec = ARRIVAL
 
     def align(self, current: Panorama, goal: Panorama, prior: float | None = None) -> Alignment:

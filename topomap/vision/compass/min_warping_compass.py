@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal
 
 from topomap.core.panorama import Panorama
 from topomap.core.records import Alignment
 from topomap.vision.compass.visual_compass import VISUAL_COMPASS, VisualCompass
+from topomap.vision.contracts import Needs, Origin
 from topomap.vision.image.scale_planes import WARPING, WarpingSpec, warping_view
 from topomap.vision.matching.warping import best, warp
 
@@ -22,10 +23,18 @@ class MinWarpingCompass:
     movement's.
     """
 
+    needs: ClassVar[Needs] = Needs()
+    claims_homing: ClassVar[bool] = True
     spec: WarpingSpec = WARPING
     search: Literal["full", "compass"] = "full"
     window: float = math.radians(30.0)
     compass: VisualCompass = VISUAL_COMPASS
+
+    @property
+    def origin(self) -> Origin:
+        """Row and source of this variant."""
+        near = ", near A1" if self.search == "compass" else ""
+        return Origin("A6", f"2.5.2.2; Möller et al. 2010{near}")
 
     def align(self, current: Panorama, goal: Panorama, prior: float | None = None) -> Alignment:
         """Return rotation [rad], residual (0 same, about 0.95 unrelated) and home vector."""

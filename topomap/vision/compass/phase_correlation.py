@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal
 
 import cv2
 import numpy as np
@@ -13,6 +13,7 @@ from topomap.core.arrays import Float32Array, FloatArray
 from topomap.core.panorama import Panorama
 from topomap.core.records import Alignment
 from topomap.vision.compass.curve import least
+from topomap.vision.contracts import Needs, Origin
 from topomap.vision.homing.view_vector import same_views
 from topomap.vision.image.compare import normalised, shrunk
 
@@ -26,6 +27,8 @@ class PhaseCorrelation:
     is 1 minus the peak, 0 for the same view.
     """
 
+    needs: ClassVar[Needs] = Needs()
+    claims_homing: ClassVar[bool] = False
     form: Literal["sum", "rows"] = "rows"
     levels: int = 0
     step: float = 1.08
@@ -33,6 +36,11 @@ class PhaseCorrelation:
     rows: int = 25
     floor: float = 0.1
     window: float = math.radians(45.0)
+
+    @property
+    def origin(self) -> Origin:
+        """Row and source of this variant."""
+        return Origin("A4" if self.levels else "A3", "2.6.4.4; Kuglin, Hines 1975")
 
     def align(self, current: Panorama, goal: Panorama, prior: float | None = None) -> Alignment:
         """Return the rotation [rad] of the highest peak. Raises ShapeError."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from topomap.core.arrays import FloatArray
 from topomap.core.geometry import TAU, wrap, wrap_all
 from topomap.core.panorama import Panorama
 from topomap.core.records import Alignment, HomeVector
-from topomap.vision.homing.needs import Needs, check
+from topomap.vision.contracts import Needs, Origin
 from topomap.vision.homing.view_vector import same_views
 from topomap.vision.image.landmarks import EDGES, EdgeSpec, Landmarks, edges
 
@@ -25,6 +26,9 @@ class Rearrangement:
     Needs ranges; gives the position as well. Raises DataError, ShapeError.
     """
 
+    origin: ClassVar[Origin] = Origin("A5", "2.6.4.3")
+    needs: ClassVar[Needs] = Needs(ranges=True)
+    claims_homing: ClassVar[bool] = True
     recipe: EdgeSpec = EDGES
     rotations: int = 180
     slack: float = math.radians(40.0)
@@ -34,7 +38,7 @@ class Rearrangement:
     def align(self, current: Panorama, goal: Panorama, prior: float | None = None) -> Alignment:
         """Return the rotation [rad], the scatter as residual, and the home vector."""
         for view in (current, goal):
-            check(Needs(ranges=True), view)
+            self.needs.check(view)
         same_views(current, goal)
         here, there = edges(current, self.recipe), edges(goal, self.recipe)
         if len(here) < 3 or len(there) < 3 or not np.isfinite(here.metres).all() or not np.isfinite(there.metres).all():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from topomap.core.errors import ShapeError
 from topomap.core.panorama import Panorama
 from topomap.core.records import Alignment
 from topomap.vision.compass.curve import least
+from topomap.vision.contracts import Needs, Origin
 from topomap.vision.image.scale_planes import WARPING, WarpingSpec, WarpingView, warping_view
 from topomap.vision.matching.kernels import scale_planes
 
@@ -23,6 +25,9 @@ class ScalePlaneCompass:
     spec: the small views; window [rad]: how far from a prior to search. The residual is the mean NSAD.
     """
 
+    origin: ClassVar[Origin] = Origin("A2", "2.6.4.4; Horst, Möller 2017")
+    needs: ClassVar[Needs] = Needs()
+    claims_homing: ClassVar[bool] = False
     spec: WarpingSpec = WARPING
     window: float = math.radians(45.0)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from topomap.core.arrays import BoolArray, FloatArray
 from topomap.core.geometry import TAU, wrap, wrap_all
 from topomap.core.panorama import Panorama
 from topomap.core.records import Alignment
+from topomap.vision.contracts import Needs, Origin
 from topomap.vision.homing.view_vector import same_views
 from topomap.vision.image.compare import Signature, SignatureSpec, parabola, signature, squared_differences
 from topomap.vision.matching.kernels import absolute_differences
@@ -28,9 +29,16 @@ class VisualCompass:
     (sad) difference.
     """
 
+    needs: ClassVar[Needs] = Needs()
+    claims_homing: ClassVar[bool] = False
     spec: SignatureSpec = _SHARP
     form: Literal["ssd", "sad"] = "ssd"
     window: float = math.radians(45.0)
+
+    @property
+    def origin(self) -> Origin:
+        """Row and source of this variant."""
+        return Origin("A1", "2.6; Zeil et al. 2003" if self.form == "ssd" else "2.6, as printed")
 
     def align(self, current: Panorama, goal: Panorama, prior: float | None = None) -> Alignment:
         """Return the rotation [rad] of least difference, within prior +- window where there is a prior.

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from topomap.vision.contracts import HomingMethod
+from topomap.vision.contracts import GoalView, HomingMethod, HomingPolicy, Needs, Origin, ReferenceHoming
 from topomap.vision.homing.acv import AverageCorrectionalVector
 from topomap.vision.homing.alv import AverageLandmarkVector
 from topomap.vision.homing.area_centroid import AreaCentroid
@@ -16,11 +16,9 @@ from topomap.vision.homing.did_moves import TrialMoves
 from topomap.vision.homing.dtw import DynamicWarping
 from topomap.vision.homing.epipolar import Epipolar
 from topomap.vision.homing.equal_warping import EqualWarping, RingWarping
-from topomap.vision.homing.goal_view import GoalView, HomingPolicy, ReferenceHoming
 from topomap.vision.homing.matched_filter import MatchedFilterDescent
 from topomap.vision.homing.min_warping import MinWarping
 from topomap.vision.homing.moment import Moment
-from topomap.vision.homing.needs import Needs, check
 from topomap.vision.homing.pixel_landmarks import PixelLandmarks
 from topomap.vision.homing.random_masks import RandomMasks, ReferenceMasks
 from topomap.vision.homing.run_down import RunDown
@@ -104,6 +102,6 @@ __all__ = [
     "MinWarping",
     "Moment",
     "Needs",
+    "Origin",
     "ReferenceHoming",
-    "check",
 ]

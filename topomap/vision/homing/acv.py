@@ -11,8 +11,8 @@ import numpy as np
 from topomap.core.geometry import wrap_all
 from topomap.core.panorama import Panorama
 from topomap.core.records import HomeVector
+from topomap.vision.contracts import Needs, Origin
 from topomap.vision.homing.alv import Recipe, landmarks
-from topomap.vision.homing.needs import Needs
 from topomap.vision.homing.view_vector import same_camera, vector_home
 from topomap.vision.image.landmarks import EDGES, Landmarks, matched
 
@@ -24,6 +24,7 @@ class AverageCorrectionalVector:
     Without the wrap, which (2.3) doesn't print, it is up to 178 deg off. reach [rad]: how far a landmark may move.
     """
 
+    origin: ClassVar[Origin] = Origin("H2", "2.3; Weber et al. 1999")
     needs: ClassVar[Needs] = Needs(compass=True)
     claims_homing: ClassVar[bool] = True
     recipe: Recipe = EDGES

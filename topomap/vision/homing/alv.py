@@ -10,7 +10,7 @@ import numpy as np
 
 from topomap.core.panorama import Panorama
 from topomap.core.records import HomeVector
-from topomap.vision.homing.needs import Needs
+from topomap.vision.contracts import Needs, Origin
 from topomap.vision.homing.view_vector import ViewVector, difference, same_camera, vector_home
 from topomap.vision.image.landmarks import EDGES, EdgeSpec, Landmarks, MarkerSpec, edges, markers, matched
 
@@ -36,6 +36,13 @@ class AverageLandmarkVector:
     recipe: Recipe = EDGES
     pairing: Literal["matched", "all"] = "matched"
     reach: float = math.radians(60.0)
+
+    @property
+    def origin(self) -> Origin:
+        """Row and source of this variant."""
+        if isinstance(self.recipe, MarkerSpec):
+            return Origin("H1", "2.2, 2.6.5.3")
+        return Origin("H1", "2.2; Ramisa et al. 2011" if self.pairing == "matched" else "2.2; Lambrinos et al. 2000")
 
     @property
     def claims_homing(self) -> bool:

@@ -13,7 +13,7 @@ from topomap.core.errors import DataError
 from topomap.core.geometry import TAU
 from topomap.core.panorama import Panorama
 from topomap.core.records import HomeVector
-from topomap.vision.homing.needs import Needs
+from topomap.vision.contracts import Needs, Origin
 from topomap.vision.homing.view_vector import ViewVector, same_camera
 from topomap.vision.image.distances import distances
 
@@ -25,6 +25,7 @@ class AreaCentroid:
     least_share: the share of directions that must have a range.
     """
 
+    origin: ClassVar[Origin] = Origin("H15", "3.1.3")
     needs: ClassVar[Needs] = Needs(compass=True, ranges=True)
     claims_homing: ClassVar[bool] = True
     least_share: float = 0.25

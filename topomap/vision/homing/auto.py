@@ -6,13 +6,13 @@ import math
 from dataclasses import dataclass, replace
 from typing import ClassVar, Literal
 
-from topomap.core.geometry import TAU, wrap
 from topomap.core.panorama import Panorama
 from topomap.core.records import Alignment, HomeVector
+from topomap.vision.aligned_homing import Turned
+from topomap.vision.contracts import Needs, Origin
 from topomap.vision.homing.area_centroid import AreaCentroid
 from topomap.vision.homing.dtw import DynamicWarping
 from topomap.vision.homing.epipolar import Epipolar, home_of
-from topomap.vision.homing.needs import Needs
 from topomap.vision.homing.view_vector import same_views
 from topomap.vision.image.aligned_difference import aligned_difference
 from topomap.vision.image.scale_planes import WARPING, WarpingSpec, warping_view
@@ -45,6 +45,7 @@ class Auto:
     enough; window [rad]: how far the views may be turned against each other, or from a prior.
     """
 
+    origin: ClassVar[Origin] = Origin("own", "picks by what is there")
     needs: ClassVar[Needs] = Needs()
     claims_homing: ClassVar[bool] = True
     near: float = 0.6
@@ -85,18 +86,16 @@ class Auto:
         return self._warped(turned, turned.home, current, goal)
 
     def _warped(self, turned: Alignment, home: HomeVector, current: Panorama, goal: Panorama) -> Answer:
-        columns = current.columns(turned.rotation)
-        back = columns * TAU / current.rig.width
-        rolled = current.rolled(columns)
-        match = DTW.match(DTW.describe(rolled), DTW.describe(goal))
-        matched = HomeVector(wrap(match.home.bearing - back), None, match.home.confidence)
+        aligned = Turned.of(current, turned.rotation)
+        match = DTW.match(DTW.describe(aligned.view), DTW.describe(goal))
+        matched = aligned.back(match.home)
         # two methods that go wrong in different ways: where they agree, both are likely right
         agreement = 0.5 + 0.5 * math.cos(matched.bearing - home.bearing)
         if current.ranges is not None and goal.ranges is not None:
-            metric = CENTROID.home(CENTROID.describe(rolled), CENTROID.describe(goal))
+            metric = CENTROID.home(CENTROID.describe(aligned.view), CENTROID.describe(goal))
             if metric.confidence > 0.0:
-                found = HomeVector(wrap(metric.bearing - back), metric.distance, metric.confidence)
-                return self._sure("range", 1.0 - turned.residual, replace(turned, home=found), current, goal)
+                found = replace(turned, home=aligned.back(metric))
+                return self._sure("range", 1.0 - turned.residual, found, current, goal)
         if aligned_difference(current, goal, turned.rotation) < self.near:
             return self._sure("dtw", (1.0 - match.cost) * agreement, replace(turned, home=matched), current, goal)
         return self._sure("warping", home.confidence * agreement, turned, current, goal)

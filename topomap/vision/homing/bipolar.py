@@ -13,7 +13,7 @@ from topomap.core.errors import ShapeError
 from topomap.core.geometry import TAU
 from topomap.core.panorama import Panorama
 from topomap.core.records import HomeVector
-from topomap.vision.homing.needs import Needs
+from topomap.vision.contracts import Needs, Origin
 from topomap.vision.homing.view_vector import same_camera, vector_home
 from topomap.vision.image.haar_masks import box_sums
 from topomap.vision.image.landmarks import Landmarks, matched
@@ -28,6 +28,7 @@ class BipolarMasks:
     kept: the share of matches that count. half: the masks' half height as a share of the view's.
     """
 
+    origin: ClassVar[Origin] = Origin("H18", "4.1-4.3")
     needs: ClassVar[Needs] = Needs(compass=True, colour=True)
     claims_homing: ClassVar[bool] = True
     levels: int = 3

@@ -11,8 +11,7 @@ from topomap.core.arrays import FloatArray
 from topomap.core.geometry import TAU
 from topomap.core.panorama import Panorama
 from topomap.core.records import HomeVector
-from topomap.vision.homing.goal_view import GoalView
-from topomap.vision.homing.needs import Needs
+from topomap.vision.contracts import GoalView, Needs, Origin
 from topomap.vision.homing.view_vector import ViewVector, difference, same_views, vector_home
 from topomap.vision.image.compare import normalised, shrunk
 
@@ -31,6 +30,11 @@ class CentreOfMass:
     ommatidia: int = 90
     rows: float = 0.8
     edges: bool = False
+
+    @property
+    def origin(self) -> Origin:
+        """Row and source of this variant."""
+        return Origin("H4", "2.5.1.1, edge-weighted" if self.edges else "2.5.1.1; Hafner 2001")
 
     def describe(self, panorama: Panorama) -> ViewVector:
         """Return the centre-of-mass vector O."""
@@ -53,6 +57,9 @@ class CentreOfMass:
 class Field(Protocol):
     """Anything that makes a view one vector."""
 
+    @property
+    def origin(self) -> Origin: ...
+
     def describe(self, panorama: Panorama) -> ViewVector: ...
 
 
@@ -63,6 +70,11 @@ class ReferenceJacobian:
     needs: ClassVar[Needs] = Needs(compass=True)
     field: Field
     step: float = 0.1
+
+    @property
+    def origin(self) -> Origin:
+        """The field's, with references."""
+        return Origin(self.field.origin.row, f"{self.field.origin.source}, Jacobian of three references")
 
     @property
     def claims_homing(self) -> bool:
@@ -85,6 +97,7 @@ class ReferenceJacobian:
 class ModifiedCentreOfMass:
     """Distances of the current O to those of three references, differences as in DID (MCOMALV; 2.7)."""
 
+    origin: ClassVar[Origin] = Origin("H5", "2.7")
     needs: ClassVar[Needs] = Needs(compass=True)
     claims_homing: ClassVar[bool] = True
     field: CentreOfMass = CentreOfMass()

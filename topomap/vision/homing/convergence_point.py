@@ -9,7 +9,7 @@ import numpy as np
 
 from topomap.core.panorama import Panorama
 from topomap.core.records import HomeVector
-from topomap.vision.homing.needs import Needs
+from topomap.vision.contracts import Needs, Origin
 from topomap.vision.homing.view_vector import ViewVector, difference
 from topomap.vision.image.colour_features import Feature, features
 from topomap.vision.image.distances import Source, distances
@@ -23,6 +23,7 @@ class ConvergencePoint:
     Metric for point landmarks; a bearing only on pixel rings, which sample near walls more densely.
     """
 
+    origin: ClassVar[Origin] = Origin("H16", "3.29-3.33")
     claims_homing: ClassVar[bool] = True
     exponent: float = 3.0
     feature: Feature = "equal"

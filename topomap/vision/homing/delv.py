@@ -11,8 +11,8 @@ import numpy as np
 from topomap.core.arrays import FloatArray
 from topomap.core.panorama import Panorama
 from topomap.core.records import HomeVector
+from topomap.vision.contracts import Needs, Origin
 from topomap.vision.homing.alv import Recipe, landmarks
-from topomap.vision.homing.needs import Needs
 from topomap.vision.homing.view_vector import same_camera, vector_home
 from topomap.vision.image.landmarks import EDGES, Landmarks, MarkerSpec, matched
 
@@ -34,6 +34,13 @@ class DistanceLandmarkVector:
     levels: int = 0
     reach: float = math.radians(60.0)
     robust: bool = True
+
+    @property
+    def origin(self) -> Origin:
+        """Row and source of this variant."""
+        if self.levels:
+            return Origin("H3", "2.4, fig. 5.33")
+        return Origin("H3", "2.4; Yu, Kim 2010" if self.pairing == "matched" else "2.4, all pairings")
 
     @property
     def claims_homing(self) -> bool:

@@ -7,8 +7,7 @@ from typing import ClassVar
 
 from topomap.core.panorama import Panorama
 from topomap.core.records import HomeVector
-from topomap.vision.homing.goal_view import GoalView
-from topomap.vision.homing.needs import Needs
+from topomap.vision.contracts import GoalView, Needs, Origin
 from topomap.vision.homing.view_vector import same_views, vector_home
 from topomap.vision.image.compare import SignatureSpec, mean_abs, signature
 
@@ -23,6 +22,7 @@ class ImageDescent:
     spec: the low-pass (without it 37 instead of 16 deg); step [m]: 0.1 near the goal, 0.3 far from it.
     """
 
+    origin: ClassVar[Origin] = Origin("H6", "2.5; Zeil et al. 2003")
     needs: ClassVar[Needs] = Needs(compass=True)
     claims_homing: ClassVar[bool] = True
     spec: SignatureSpec = BLURRED

@@ -12,8 +12,8 @@ from topomap.core.arrays import FloatArray
 from topomap.core.geometry import TAU, wrap
 from topomap.core.panorama import Panorama
 from topomap.core.records import HomeVector
+from topomap.vision.contracts import Needs, Origin
 from topomap.vision.homing.did import BLURRED
-from topomap.vision.homing.needs import Needs
 from topomap.vision.image.compare import Signature, SignatureSpec, rms, signature
 
 Form = Literal["basic", "gradient", "newton"]
@@ -46,6 +46,12 @@ class TrialMoves:
     trial: float = 0.1
     stride: float = 0.2
     spec: SignatureSpec = BLURRED
+
+    @property
+    def origin(self) -> Origin:
+        """Row and source of this variant."""
+        sources = {"basic": "2.5.3", "gradient": "2.5.3.1; Möller, Vardy 2006", "newton": "2.5.3.2"}
+        return Origin("H7", sources[self.form])
 
     def start(self, goal: Panorama) -> Trial:
         """Return the state before the first look."""

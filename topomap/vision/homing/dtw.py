@@ -13,7 +13,7 @@ from topomap.core.errors import ShapeError
 from topomap.core.geometry import TAU, wrap
 from topomap.core.panorama import Panorama
 from topomap.core.records import HomeVector
-from topomap.vision.homing.needs import Needs
+from topomap.vision.contracts import Needs, Origin
 from topomap.vision.image.ring import RING, RingSpec, ring
 from topomap.vision.matching.inhibition import Inhibition, inhibited
 from topomap.vision.matching.kernels import dtw_pairs, dtw_path
@@ -60,6 +60,15 @@ class DynamicWarping:
     band: float = math.radians(50.0)
     inhibition: Inhibition = "mean"
     swing: float = 0.0
+
+    @property
+    def origin(self) -> Origin:
+        """Row and source of this variant."""
+        if self.swing:
+            return Origin("H28", "5.1.3.4")
+        if self.inhibition != "mean":
+            return Origin("H28", "5.1.3.8")
+        return Origin("H27", "5.16") if self.wings == "unifying" else Origin("H26", "5.15")
 
     def describe(self, panorama: Panorama) -> RingPair:
         """Return the rings the matching runs on."""

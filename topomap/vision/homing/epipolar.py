@@ -9,7 +9,7 @@ from typing import ClassVar
 from topomap.core.geometry import wrap
 from topomap.core.panorama import Panorama
 from topomap.core.records import HomeVector
-from topomap.vision.homing.needs import Needs
+from topomap.vision.contracts import Needs, Origin
 from topomap.vision.homing.view_vector import same_camera
 from topomap.vision.image.keypoints import Keypoints, KeypointSpec, keypoints, matched_keypoints
 from topomap.vision.matching.two_view import EpipolarSpec, Movement, movement
@@ -28,6 +28,7 @@ class Epipolar:
     each other. Bearing only.
     """
 
+    origin: ClassVar[Origin] = Origin("own", "planar epipolar geometry; Ortín, Montiel 2001")
     needs: ClassVar[Needs] = Needs()
     claims_homing: ClassVar[bool] = True
     spec: KeypointSpec = KEYPOINTS

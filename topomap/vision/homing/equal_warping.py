@@ -13,7 +13,7 @@ from topomap.core.errors import ShapeError
 from topomap.core.geometry import TAU
 from topomap.core.panorama import Panorama
 from topomap.core.records import HomeVector
-from topomap.vision.homing.needs import Needs
+from topomap.vision.contracts import Needs, Origin
 from topomap.vision.image.ring import RingSpec, ring
 from topomap.vision.image.scale_planes import WARPING, WarpingSpec, WarpingView, warping_view
 from topomap.vision.matching.equal_distance_search import Steps, equal_search, found, tables
@@ -40,6 +40,7 @@ class RingWarping:
     window [rad]: how far the views may be turned against each other. Bearing only; own compass.
     """
 
+    origin: ClassVar[Origin] = Origin("H9", "2.5.2.1; Franz et al. 1998")
     needs: ClassVar[Needs] = Needs()
     claims_homing: ClassVar[bool] = True
     spec: RingSpec = RING_144
@@ -75,6 +76,7 @@ class EqualWarping:
     Free (dp) warping is named only in the thesis. Fields as in `RingWarping`.
     """
 
+    origin: ClassVar[Origin] = Origin("H10", "2.5.2.2; Möller et al. 2010")
     needs: ClassVar[Needs] = Needs()
     claims_homing: ClassVar[bool] = True
     spec: WarpingSpec = WARPING

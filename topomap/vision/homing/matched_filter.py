@@ -12,7 +12,7 @@ from topomap.core.geometry import TAU
 from topomap.core.panorama import Panorama
 from topomap.core.records import HomeVector
 from topomap.core.rig import Rig
-from topomap.vision.homing.needs import Needs
+from topomap.vision.contracts import Needs, Origin
 from topomap.vision.homing.view_vector import same_camera, vector_home
 from topomap.vision.image.compare import normalised, shrunk
 
@@ -35,6 +35,7 @@ class MatchedFilterDescent:
     2 x 2 normal matrix. columns, rows, blur [pixels]: the low-pass.
     """
 
+    origin: ClassVar[Origin] = Origin("H8", "2.5.3.4; Möller, Vardy 2006")
     needs: ClassVar[Needs] = Needs(compass=True)
     claims_homing: ClassVar[bool] = True
     form: Literal["gradient", "newton"] = "newton"

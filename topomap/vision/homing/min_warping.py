@@ -8,7 +8,7 @@ from typing import ClassVar
 
 from topomap.core.panorama import Panorama
 from topomap.core.records import HomeVector
-from topomap.vision.homing.needs import Needs
+from topomap.vision.contracts import Needs, Origin
 from topomap.vision.image.scale_planes import WARPING, WarpingSpec, WarpingView, warping_view
 from topomap.vision.matching.warping import best, warp
 
@@ -20,6 +20,7 @@ class MinWarping:
     window [rad]: how far the views may be turned against each other, pi for any rotation.
     """
 
+    origin: ClassVar[Origin] = Origin("H11", "2.5.2.2; Möller et al. 2010")
     needs: ClassVar[Needs] = Needs()
     claims_homing: ClassVar[bool] = True
     spec: WarpingSpec = WARPING

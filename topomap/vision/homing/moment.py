@@ -11,12 +11,13 @@ from topomap.core.arrays import FloatArray
 from topomap.core.geometry import TAU
 from topomap.core.panorama import Panorama
 from topomap.core.records import HomeVector
-from topomap.vision.homing.needs import Needs
+from topomap.vision.contracts import Needs, Origin
 from topomap.vision.homing.view_vector import ViewVector, difference
 from topomap.vision.image.colour_features import Feature, features
 from topomap.vision.image.distances import Source, distances
 
 Form = Literal["centroid", "gradient", "pixel", "area"]
+_SOURCES: dict[Form, str] = {"centroid": "3.9, 3.16", "gradient": "3.34", "pixel": "A.20", "area": "3.40"}
 _RAISED = {"centroid": 0.0, "gradient": 0.0, "pixel": 1.0, "area": 2.0}
 
 
@@ -33,6 +34,14 @@ class Moment:
     feature: Feature = "grey"
     form: Form = "gradient"
     distance: Source = "range"
+
+    @property
+    def origin(self) -> Origin:
+        """Row and source of this variant."""
+        colours = ", 3.17-3.23" if self.feature not in ("equal", "grey") else ""
+        lengths = {"ground": ", 5.1.1.2", "equal": ", equal distances"}.get(self.distance, "")
+        row = "H12" if self.form == "centroid" else "H13"
+        return Origin(f"{row}, H17" if lengths else row, f"{_SOURCES[self.form]}{colours}{lengths}")
 
     @property
     def claims_homing(self) -> bool:

@@ -10,7 +10,7 @@ import numpy as np
 from topomap.core.geometry import TAU
 from topomap.core.panorama import Panorama
 from topomap.core.records import HomeVector
-from topomap.vision.homing.needs import Needs
+from topomap.vision.contracts import Needs, Origin
 from topomap.vision.homing.view_vector import ViewVector, difference
 from topomap.vision.image.distances import Source, distances
 from topomap.vision.image.pixel_selection import coloured
@@ -29,6 +29,12 @@ class PixelLandmarks:
     saturation: float = 0.25
     value: float = 0.2
     rows: float = 0.9
+
+    @property
+    def origin(self) -> Origin:
+        """Row and source of this variant."""
+        ground = self.distance == "ground"
+        return Origin("H21, H17", "5.2-5.5, ground line") if ground else Origin("H21", "5.2-5.5")
 
     @property
     def needs(self) -> Needs:

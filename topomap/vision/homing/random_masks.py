@@ -9,8 +9,7 @@ import numpy as np
 
 from topomap.core.panorama import Panorama
 from topomap.core.records import HomeVector
-from topomap.vision.homing.goal_view import GoalView
-from topomap.vision.homing.needs import Needs
+from topomap.vision.contracts import GoalView, Needs, Origin
 from topomap.vision.homing.view_vector import ViewVector, difference, same_views, vector_home
 from topomap.vision.image.haar_masks import MaskSpec, masks, scores
 
@@ -24,6 +23,7 @@ class RandomMasks:
     The field has the same saddle at the goal as the centre of mass: neither sign homes in a room.
     """
 
+    origin: ClassVar[Origin] = Origin("H19", "4.8-4.12")
     needs: ClassVar[Needs] = Needs(compass=True)
     claims_homing: ClassVar[bool] = False
     spec: MaskSpec = MASKS
@@ -51,6 +51,11 @@ class ReferenceMasks:
     claims_homing: ClassVar[bool] = True
     spec: MaskSpec = MASKS
     step: float = 0.1
+
+    @property
+    def origin(self) -> Origin:
+        """Row and source of this variant."""
+        return Origin("H20", "4.13-4.15, fig. 4.35" if self.spec.even else "4.13-4.15")
 
     def home(self, current: Panorama, goal: GoalView) -> HomeVector:
         """Return the bearing [rad] of the goal in the aligned frame. Raises ShapeError."""

@@ -12,7 +12,7 @@ from topomap.core.arrays import FloatArray
 from topomap.core.geometry import TAU, wrap
 from topomap.core.panorama import Panorama
 from topomap.core.records import HomeVector
-from topomap.vision.homing.needs import Needs
+from topomap.vision.contracts import Needs, Origin
 from topomap.vision.homing.view_vector import same_views
 from topomap.vision.image.colour_features import horizon
 from topomap.vision.image.compare import ARRIVAL, SignatureSpec, rms, signature
@@ -39,6 +39,7 @@ class RunDown:
     spec: the views whose difference must run down. Allow a path of at least 2.5 times the direct one.
     """
 
+    origin: ClassVar[Origin] = Origin("H22, H23", "5.6-5.12")
     needs: ClassVar[Needs] = Needs(compass=True)
     claims_homing: ClassVar[bool] = True
     selection: bool = True

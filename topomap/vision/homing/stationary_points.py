@@ -15,7 +15,7 @@ from topomap.core.geometry import TAU, wrap
 from topomap.core.panorama import Panorama
 from topomap.core.records import HomeVector
 from topomap.core.rig import Rig
-from topomap.vision.homing.needs import Needs
+from topomap.vision.contracts import Needs, Origin
 from topomap.vision.homing.view_vector import same_camera
 from topomap.vision.image.compare import normalised, shrunk
 from topomap.vision.image.ring import RingSpec, ring
@@ -34,6 +34,7 @@ class StationaryPoints:
     c is the compass's error, which the fit takes up. spec: the ring; flow: how it is measured.
     """
 
+    origin: ClassVar[Origin] = Origin("H24", "5.1.3.3")
     needs: ClassVar[Needs] = Needs(compass=True)
     claims_homing: ClassVar[bool] = True
     spec: RingSpec = _RING
@@ -69,6 +70,7 @@ class StationaryImage:
     columns, rows: of the small view; rounds of re-weighting.
     """
 
+    origin: ClassVar[Origin] = Origin("H25", "5.1.3.4; Farnebäck 2003")
     needs: ClassVar[Needs] = Needs(compass=True)
     claims_homing: ClassVar[bool] = True
     columns: int = 360

@@ -1,0 +1,13 @@
+"""Options that several commands share, said once."""
+
+from __future__ import annotations
+
+import typer
+
+CONFIG = typer.Option(None, help="TOML file with settings, e.g. examples/my.toml; 'topomap config show' lists them.")
+SETTINGS = typer.Option(
+    [],
+    "--set",
+    metavar="SECTION.KEY=VALUE",
+    help="One setting, e.g. stack.mission.then=stop; may repeat; 'topomap config show' lists them.",
+)

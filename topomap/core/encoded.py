@@ -1,0 +1,27 @@
+"""Panoramas as PNG or JPEG bytes, and back to pixels."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+
+from topomap.core.arrays import Image
+from topomap.core.errors import DataError, ShapeError
+
+
+def decode(encoded: bytes) -> Image:
+    """Return the RGB image (H, W, 3) of JPEG or PNG bytes. Raises DataError."""
+    image = cv2.imdecode(np.frombuffer(encoded, np.uint8), cv2.IMREAD_COLOR_RGB) if encoded else None
+    if image is None:
+        raise DataError(f"{len(encoded)} bytes that should be a JPEG or PNG panorama can't be decoded")
+    return image.astype(np.uint8, copy=False)
+
+
+def encode(image: Image, quality: int | None = None) -> bytes:
+    """Return an RGB image (H, W, 3) uint8 as PNG (lossless), or as JPEG of a quality in 1..100. Raises ShapeError."""
+    if image.dtype != np.uint8 or image.ndim != 3 or image.shape[2] != 3 or not image.size:
+        raise ShapeError(f"image is {image.dtype} {image.shape}, it must be uint8 (H, W, 3), RGB")
+    bgr = np.ascontiguousarray(image[:, :, ::-1])
+    if quality is None:
+        return cv2.imencode(".png", bgr)[1].tobytes()
+    return cv2.imencode(".jpg", bgr, (cv2.IMWRITE_JPEG_QUALITY, quality))[1].tobytes()
