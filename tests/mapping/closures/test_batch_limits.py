@@ -117,6 +117,29 @@ def test_below_twenty_to_one_none_is_taken_however_sure_the_others_are(odds: flo
     assert batch.FALSE > 1 / 20.5 / 721  # it isn't the share of false ones that decides
 
 
+def trio(drive: Drive) -> Claims:
+    """A lone claim, and three others that agree: they have one representative."""
+    return claims_on(drive, np.array([8, 9, 10, 60]), np.array([108, 109, 110, PLACES - 1]))
+
+
+@pytest.mark.parametrize(("odds", "first"), [(19.5, 1), (20.5, 2)])
+def test_three_that_agree_may_bend_the_map_sooner_than_a_lone_one(odds: float, first: int) -> None:
+    """Beside a lone one that is sure: in the first round, if they are false one time in twenty."""
+    drive, heard = straight(), list[str]()
+    test = by_place({60: 30.0}, np.log(odds))
+    Batch(drive, trio(drive), (test,), lambda _, doing: heard.append(doing)).run()
+    assert heard[1] == f"{first} closures"
+
+
+@pytest.mark.parametrize(("odds", "settling"), [(4.9, 0), (5.1, 1)])
+def test_where_nothing_is_likely_three_that_agree_may_start_the_map(odds: float, settling: int) -> None:
+    drive = straight()
+    started = rounds_of(drive, trio(drive), by_place({60: -9.0}, np.log(odds)))[2]
+    assert min(started, 1) == settling
+    pair = trio(drive)[np.array([0, 1, 3])]
+    assert rounds_of(drive, pair, by_place({60: -9.0}, np.log(19.0)))[2] == 0  # two are too few
+
+
 def off_by(drive: Drive, claims: Claims, chi2: float) -> Claims:
     """The claims, moved ahead until odometry has them off by this squared Mahalanobis distance."""
     chain = drive.chain(drive.start())
@@ -261,18 +284,18 @@ def test_what_a_test_is_told_of_a_claim() -> None:
     assert asked.i.tolist() == [*asked.i[:-1].tolist(), 70]
     assert len(asked) == 6  # a representative every eight places, and the lone one
     assert known.size.tolist() == [40] * 5 + [1]
-    assert known.prevalence == pytest.approx(np.log([1.5 / 0.5] * 6))
+    assert known.prevalence == pytest.approx(np.log([2.0 / 0.1] * 6))
     everyone, settled = test.heard[-1]
     assert len(everyone) == 41
-    assert settled.prevalence == pytest.approx(batch.LIKELY)
-    assert (settled.errors[:, 2, 2] <= known.errors[0, 2, 2] / 5).all()  # it knows them over the closures now
+    assert (settled.prevalence >= batch.LIKELY).all()
+    assert (settled.errors[:, 2, 2] <= known.errors[0, 2, 2] / 3).all()  # it knows them over the closures now
 
 
 def strain_first(monkeypatch: pytest.MonkeyPatch, which: int) -> list[BoolArray]:
     """Let the cluster of claim `which` strain every map."""
     seen: list[BoolArray] = []
 
-    def always(poses: FloatArray, claims: Claims, label: IntArray, standing: IntArray) -> BoolArray:
+    def always(_: FloatArray, __: Claims, label: IntArray, standing: IntArray, network: PathNetwork) -> BoolArray:
         tense = np.zeros(int(label.max()) + 1, bool)
         tense[label[which]] = which in standing
         seen.append(tense)

@@ -12,6 +12,7 @@ from topomap.core.geometry import between
 from topomap.mapping.closures.claims import Claims
 from topomap.mapping.closures.closure_tests import (
     TESTS,
+    Apart,
     Crowding,
     Gate,
     Knowledge,
@@ -47,7 +48,7 @@ def test_each_stage_speaks_of_what_it_knows() -> None:
     assert Prevalence().weigh(claims, knowledge).tolist() == [-2.0, 0.5, 1.0]
     chi2, determinant = mahalanobis(claims, POSES, ERRORS)
     expected = log_density(chi2, determinant, claims.blind) - log_chance(POSES, claims.blind)
-    assert np.array_equal(Odometry().weigh(claims, knowledge), expected)
+    assert Odometry().weigh(claims, knowledge) == pytest.approx(expected)
     assert np.array_equal(Crowding().weigh(claims, knowledge), -log_crowding(claims, POSES, ERRORS))
 
 
@@ -68,6 +69,28 @@ def test_knowledge_of_some_is_theirs() -> None:
     assert (one.size.tolist(), one.prevalence.tolist(), one.support.tolist()) == ([1], [0.0], [1.0])
 
 
+@pytest.mark.parametrize(("off", "expected"), [([0.9, 0, 0], 0.0), ([1.1, 0, 0], -np.inf), ([0, 0, 0.3], 0.0),
+                                               ([0, 0, 0.4], -np.inf)])  # fmt: skip
+def test_what_the_map_has_elsewhere_is_another_place(off: list[float], expected: float) -> None:
+    """More than 1 m or 20 degrees from what is claimed, unless map and claim are as vague as that."""
+    i, j = np.array([3]), np.array([50])
+    relative = between(POSES[i], POSES[j]) + np.array([off])
+    sharp = Claims.of(i, j, relative, np.diag([0.1, 0.1, 0.05])[None] ** 2)
+    vague = Claims.of(i, j, relative, np.diag([1.0, 1.0, 0.5])[None] ** 2)
+    knowledge = Knowledge.of_one(POSES, np.zeros((3, 3)))
+    assert Apart().weigh(sharp, knowledge).tolist() == [expected]
+    assert Apart().weigh(vague, knowledge).tolist() == [0.0]
+
+
+def test_across_a_gap_a_true_claim_is_as_likely_as_any() -> None:
+    claims, nothing = three(), Knowledge(POSES, np.tile(1e6 * np.eye(3), (3, 1, 1)), *known_of_three())
+    assert Odometry().weigh(claims, nothing) == pytest.approx(0.0, abs=1e-3)
+
+
+def known_of_three() -> tuple[np.ndarray, FloatArray, FloatArray]:
+    return np.ones(3, np.int64), np.zeros(3), np.ones(3)
+
+
 def test_too_little_support_refuses() -> None:
     assert Supported().weigh(three(), known(np.array([0.99, 1.0, 7.0]))).tolist() == [-np.inf, 0.0, 0.0]
 
@@ -84,8 +107,8 @@ def test_the_gate_lets_its_share_of_true_ones_pass(blind: bool, limit: float) ->
 
 def test_odds_are_the_sum_of_what_all_tests_say() -> None:
     claims, knowledge = three(), known()
-    assert [test.name for test in TESTS] == ["looks", "prevalence", "odometry", "crowding"]
-    assert [test.lowers for test in TESTS] == [False, False, True, True]
+    assert [test.name for test in TESTS] == ["looks", "prevalence", "odometry", "apart", "crowding"]
+    assert [test.lowers for test in TESTS] == [False, False, True, True, True]
     found = ClosureEngine().weigh(claims, knowledge, -100.0)
     assert found.log_odds == pytest.approx(sum(test.weigh(claims, knowledge) for test in TESTS))
     assert found.failed.tolist() == [-1, -1, -1]

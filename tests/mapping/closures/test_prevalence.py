@@ -27,9 +27,14 @@ def worth(*parts: tuple[int, int, int], by_chance: float = 0.0) -> dict[int, flo
     return {s: float(found[size == s][0]) for s in np.unique(size).tolist()}
 
 
+def odds(true: float, false: float) -> float:
+    """Before any is seen there are one true claim and a tenth of a false one of each kind."""
+    return float(np.log((true + 1.0) / (false + 0.1)))
+
+
 def test_where_nothing_is_refused_claims_are_as_often_true_as_there_are_claims() -> None:
     found = worth((1, 20, 0), (5, 3, 0))
-    assert found == {1: pytest.approx(np.log(20.5 / 0.5)), 5: pytest.approx(np.log(3.5 / 0.5))}
+    assert found == {1: pytest.approx(odds(20, 0)), 5: pytest.approx(odds(3, 0))}
     assert log_prevalence(np.zeros(0, np.int64), np.zeros(0, bool), 0.0).shape == (0,)
 
 
@@ -38,23 +43,23 @@ def test_groups_of_false_claims_take_from_agreement_what_it_is_worth_and_lone_on
     lone = worth((1, 20, 40), (5, 20, 0))
     grouped = worth((1, 20, 0), (5, 20, 40))
     assert lone[5] == clean[5]
-    assert lone[1] == pytest.approx(np.log(20.5 / 40.5))
+    assert lone[1] == pytest.approx(odds(20, 40))
     assert grouped[1] == clean[1]
-    assert grouped[5] == pytest.approx(np.log(20.5 / 40.5))
+    assert grouped[5] == pytest.approx(odds(20, 40))
 
 
 def test_those_refused_tell_how_many_of_those_allowed_are_false() -> None:
     """90 refused where one in ten passes by chance: 100 are false in all, so 10 of the 15 allowed."""
-    assert worth((1, 15, 90), by_chance=0.1)[1] == pytest.approx(np.log(5.5 / 100.5))
-    assert worth((1, 6, 90), by_chance=0.1)[1] == pytest.approx(np.log(0.5 / 100.5))  # never fewer than none
+    assert worth((1, 15, 90), by_chance=0.1)[1] == pytest.approx(odds(5, 100))
+    assert worth((1, 6, 90), by_chance=0.1)[1] == pytest.approx(odds(0, 100))  # never fewer than none
 
 
-def test_kinds_are_alone_a_pair_some_and_many() -> None:
+def test_kinds_are_seven_from_alone_to_many() -> None:
     """Refused clusters of one size tell of those sizes that are of their kind, and of no other."""
-    same = [[1], [2], [3, 4], [5, 6, 50]]
+    same = [[1], [2], [3, 4], [5, 7], [8, 12], [13, 20], [21, 50]]
     for group in same:
         for size in group:
-            found = worth(*[(other, 10, 30 if other == size else 0) for other in (1, 2, 3, 4, 5, 6, 50)])
+            found = worth(*[(other, 10, 30 if other == size else 0) for kind in same for other in kind])
             few = {other for other, value in found.items() if value == min(found.values())}
             assert few == set(group)
 
