@@ -158,11 +158,6 @@ def test_what_the_rest_knows_is_without_the_cluster_itself() -> None:
     assert strained(poses, claims, np.zeros(1, np.int64), np.arange(1), itself).tolist() == [True]
 
 
-@pytest.mark.xfail(
-    strict=True,
-    reason="the heading of blind claims is left out only where all that stand are blind: beside one that isn't, what a "
-    "blind one says of its heading strains the map",
-)
 def test_a_blind_claims_heading_says_nothing_beside_one_that_knows_its_own() -> None:
     poses, k = bent(turn=0.0), np.arange(8)
     blind = missing(poses, 16 + k, 100 + k, np.array([0.0, 0.0, 2.0]), np.array([0.05, 0.05, 1.05]))

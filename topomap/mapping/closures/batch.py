@@ -77,7 +77,6 @@ class Batch:
         chain = drive.chain(self._map)
         self._clusters: Clusters = clusters_of(claims, chain)
         self._odds = np.full(len(claims), -np.inf)
-        self._why = np.full(len(claims), "", object)
         self._standing = np.zeros(0, np.int64)
         self._tries = np.zeros(len(self._clusters), np.int64)
         self._sift(PathNetwork.of_chain(chain))
@@ -91,6 +90,8 @@ class Batch:
                 break
             self._admit(new)
         inlier = self._settle()
+        if not inlier.any():
+            self._map = self._drive.start()
         self._told(1.0, f"{int(inlier.sum())} closures")
         kept = (
             f"{int(inlier.sum())} of {len(inlier)} closures are likely"

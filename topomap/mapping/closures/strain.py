@@ -18,7 +18,8 @@ STRAIN = 16.3  # chi-squared of 3 dof that 99.9 % of true closures stay within
 class Missed(NamedTuple):
     """What the members of C cells of clusters miss by together, in the map's axes.
 
-    label (C,): the cluster; i, j (C,): places of one member; mean (C, 3) [m, rad] with covariance (C, 3, 3).
+    label (C,): the cluster; i, j (C,): places of one member; mean (C, 3) [m, rad] with covariance
+    (C, 3, 3); blind (C,): nothing is claimed of headings.
     """
 
     label: IntArray
@@ -26,6 +27,7 @@ class Missed(NamedTuple):
     j: IntArray
     mean: FloatArray
     covariance: FloatArray
+    blind: BoolArray
 
 
 def strained(poses: FloatArray, claims: Claims, label: IntArray, standing: IntArray, network: PathNetwork) -> BoolArray:
@@ -41,9 +43,7 @@ def strained(poses: FloatArray, claims: Claims, label: IntArray, standing: IntAr
     cells = _cells(poses, claims[standing], label[standing])
     rest = _at(network.errors(cells.i, cells.j, cells.label), poses[cells.j])
     pull = np.linalg.solve(cells.covariance, cells.mean[:, :, None])
-    blind = claims[standing].blind.all()
-    if blind:
-        pull[:, 2] = 0.0
+    pull[cells.blind, 2] = 0.0
     chi2 = (pull.transpose(0, 2, 1) @ (rest + cells.covariance) @ pull)[:, 0, 0]
     result[cells.label[chi2 > STRAIN]] = True
     return result
@@ -57,7 +57,8 @@ def _cells(poses: FloatArray, own: Claims, label: IntArray) -> Missed:
     mean, spread = np.zeros((len(cells), 3)), np.zeros((len(cells), 3, 3))
     np.add.at(mean, place, missed)
     np.add.at(spread, place, covariance)
-    return Missed(label[first], own.i[first], own.j[first], mean / count[:, None], spread / (count**2)[:, None, None])
+    mean, spread = mean / count[:, None], spread / (count**2)[:, None, None]
+    return Missed(label[first], own.i[first], own.j[first], mean, spread, own.blind[first])
 
 
 def _at(errors: FloatArray, poses: FloatArray) -> FloatArray:
