@@ -41,8 +41,9 @@ def variance_factor(claims: Claims, chain: Chain) -> float:
     peaks = np.concatenate([np.log(8 * np.linalg.det(claims.covariance[a])), np.log(determinant)])
     chance = float(log_chance(chain.poses, np.zeros(1, bool))[0])
     fits = [_mixture(chi2, -0.5 * peaks - 1.5 * np.log(2 * np.pi) - chance, start) for start in STARTS]
-    _, factor, true = max(fits)
-    return min(1.0, factor) if true >= FEWEST else 1.0
+    # a fit to one loop alone may be likelier than any to all of them
+    _, factor, _ = max((fit for fit in fits if fit[2] >= FEWEST), default=(0.0, 1.0, 0.0))
+    return min(1.0, factor)
 
 
 def _ends(claims: Claims, which: IntArray) -> tuple[IntArray, IntArray]:
