@@ -21,6 +21,11 @@ def data_dir() -> Path:
     return folder
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Begin with the longest, so that no worker is left alone with it at the end."""
+    items.sort(key=lambda item: not item.nodeid.startswith(("tests/test_readme.py", "tests/test_examples.py")))
+
+
 def pytest_runtest_logreport(report: pytest.TestReport) -> None:
     """Count the tests marked `data` by whether they ran (reports reach the controller of -n too)."""
     if "data" not in report.keywords:

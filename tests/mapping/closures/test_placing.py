@@ -1,4 +1,4 @@
-"""A start for the solve: what a closure turns far is moved as a whole, behind the step that is known least."""
+"""A start for the solve across a gap: what a closure turns far is moved as a whole, behind the gap."""
 
 from __future__ import annotations
 
@@ -43,3 +43,9 @@ def test_what_is_turned_far_is_placed_as_claimed_and_moved_behind_the_weakest_st
     assert np.allclose(found[25], compose(before[4], one.relative[0]), atol=1e-9)
     behind = between(found[WEAK + 1 : -1], found[WEAK + 2 :])
     assert np.allclose(behind, between(before[WEAK + 1 : -1], before[WEAK + 2 :]), atol=1e-9)  # as one piece
+
+
+def test_without_a_gap_a_drifted_drive_is_left_to_the_solve() -> None:
+    noise = np.tile(np.diag([0.02, 0.02, 0.2]) ** 2, (30, 1, 1))  # 1.1 rad over the drive, 0.2 a step
+    own = chain_of(np.tile([1.0, 0.0, 0.05], (30, 1)), noise)
+    assert placed(own.poses, own, claim(own, 1.5)) is own.poses
