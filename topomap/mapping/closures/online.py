@@ -148,7 +148,7 @@ class Closing:
         claim = Claims.of_one(candidate.match, query, candidate.relative, candidate.covariance)
         errors = self._reachability.errors(candidate.match, query)
         weighed = self._engine.weigh(claim, Knowledge.of_one(self._map.poses, errors), -np.inf)
-        finding = self._gate.judge(candidate, expected, self._reachability.covariance(candidate.match, query))
+        finding = self._gate.judge(candidate, expected, self._reachability.seen(candidate.match, query, errors))
         odds = float(weighed.log_odds[0]) if np.isfinite(weighed.log_odds[0]) else None
         candidate = _with(replace(candidate, query=query), sigmas=finding.score, odds=odds)
         if weighed.failed[0] >= 0:

@@ -48,8 +48,12 @@ class Reachability:
 
     def covariance(self, match: int, query: int) -> FloatArray:
         """Return the covariance (3, 3) of `match_from_query` by these errors."""
+        return self.seen(match, query, self.errors(match, query))
+
+    def seen(self, match: int, query: int, errors: FloatArray) -> FloatArray:
+        """Return errors (3, 3) about the map's origin as the covariance (3, 3) of `match_from_query`."""
         x, y, _ = self._map.poses[query].tolist()
-        return turned(self.errors(match, query), self._map.pose(match).heading, x, y)
+        return turned(errors, self._map.pose(match).heading, x, y)
 
     def reach(self, node: int) -> float:
         """Return how far from where the map has it the robot may be, seen from an older node [m]."""
