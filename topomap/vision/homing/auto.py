@@ -93,9 +93,8 @@ class Auto:
         turned = best(warp(here, there, prior, min(self.window, NEAR_PRIOR)))
         scanned = self._scanned(current, goal, prior, turned.rotation)
         if scanned is not None:
-            # the images tell whether it is this place at all, the scans whether they lie well on one another
-            evidence = 1.0 - turned.residual + 0.5 * (1.0 - scanned.residual)
-            return self._sure("range", evidence, scanned, current, goal)
+            # scans of alike rooms lie well on one another: only the images tell whether it is this place at all
+            return self._sure("range", max(1.0 - turned.residual, 0.0), scanned, current, goal)
         if turned.home is None or turned.home.confidence <= 0.0:
             nothing = Alignment(turned.rotation, turned.residual, HomeVector(0.0, None, 0.0))
             return Answer("none", 0.0, nothing)
