@@ -22,7 +22,7 @@ from topomap.core.run_data import RunData
 from topomap.evaluation.closures import Closure, closures
 from topomap.evaluation.ledger_rows import LedgerRow, ledger
 from topomap.evaluation.precision_recall import Evaluation, evaluate
-from topomap.recording.run_reader import load_run
+from topomap.recording.run_reader import read_run
 from topomap.report.figures.explain import explanation
 from topomap.report.figures.precision import precision_recall
 from topomap.vision.image.compare import rms, signature
@@ -40,7 +40,7 @@ class Explanation:
 
 def read(path: Path) -> RunData:
     """Return a log's run. Raises DataError."""
-    return load_run(path)
+    return read_run(path)
 
 
 def table(run: RunData, verdict: Verdict | None = None, false: bool = False) -> list[LedgerRow]:
@@ -71,7 +71,7 @@ def explain(log: Path, query: str, match: str, out: Path) -> Explanation:
 
     Raises DataError, and TopomapError where there is no such candidate.
     """
-    run = load_run(log)
+    run = read_run(log)
     closure = _find(run, query, match)
     lines = [*_lines(run, closure)]
     title = f"{_name(run, closure)}: {closure.verdict}"

@@ -61,6 +61,9 @@ def summarise(run: RunData) -> Summary:
             "collisions": way.collisions,
         },
         "graph_hash": run.graph_hash,
+        "topology_hash": run.topology_hash,
+        "fault": run.fault or None,
+        "log": {"state": run.log_state, "note": run.log_note or None},
         "versions": plain(run.versions),
     }
 
