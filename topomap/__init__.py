@@ -4,6 +4,8 @@ from importlib import import_module
 from importlib.metadata import version
 from typing import TYPE_CHECKING
 
+from topomap.core.caches import see_to_caches
+
 if TYPE_CHECKING:
     from topomap.app.config import RunConfig, load_config
     from topomap.app.drive import drive, replay
@@ -31,6 +33,7 @@ if TYPE_CHECKING:
     from topomap.vision.homing import METHODS
 
 __version__ = version("topomap")
+see_to_caches()
 
 _LAZY = {
     "ALIGNERS": "topomap.vision.compass:ALIGNERS",
@@ -70,8 +73,8 @@ _LAZY = {
 }
 __all__ = [
     "ALIGNERS", "METHODS", "TESTS", "Alignment", "ClosureTest", "Command", "Finding", "HomeVector", "Mapper", "Motion",
-    "Navigator", "Panorama", "Pose2", "Reading", "Rig", "Robot", "RobotFault", "RunConfig", "RunData", "RunResult", "TopoMap",
-    "TopomapError", "__version__", "build_navigator", "check_robot", "drive", "home", "load_config", "load_map",
+    "Navigator", "Panorama", "Pose2", "Reading", "Rig", "Robot", "RobotFault", "RunConfig", "RunData", "RunResult",
+    "TopoMap", "TopomapError", "__version__", "build_navigator", "check_robot", "drive", "home", "load_config", "load_map",
     "load_panorama", "load_run", "optimise_graph", "read_graph", "replay", "save_map",
 ]  # fmt: skip
 

@@ -22,9 +22,11 @@ from topomap.core.run_data import RunData
 from topomap.evaluation.closures import Closure, closures
 from topomap.evaluation.ledger_rows import LedgerRow, ledger
 from topomap.evaluation.precision_recall import Evaluation, evaluate
+from topomap.evaluation.summary import write_whole
 from topomap.recording.run_reader import read_run
 from topomap.report.figures.explain import explanation
 from topomap.report.figures.precision import precision_recall
+from topomap.report.figures.style import png
 from topomap.vision.image.compare import rms, signature
 
 CURVE_STEPS = 120
@@ -186,7 +188,6 @@ def _save(figure: object, path: Path) -> None:
 
     assert isinstance(figure, Figure)
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        figure.savefig(path, dpi=120, metadata={"Software": None})
+        write_whole(path, png(figure, 120))
     except OSError as error:
         raise DataError(f"{path}: can't be written ({error.strerror})") from error
