@@ -20,6 +20,8 @@ from logs.errors import LogError
 
 MAGIC = b"\x89MCAP0\r\n"
 PREFIX = struct.Struct("<BQ")
+_FREE = (Opcode.HEADER, Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE)
+"""What may stand outside chunks besides; how long it is follows from it no further."""
 
 
 def size_of(file: IO[bytes]) -> int:
@@ -41,6 +43,46 @@ def read_record(file: IO[bytes], offset: int) -> tuple[int, bytes] | None:
     if opcode == 0 or length > size_of(file) - offset - PREFIX.size:
         return None
     return opcode, file.read(length)
+
+
+def fits(opcode: int, content: bytes) -> bool:
+    """Return whether a record is exactly as long as what it holds: else it leads astray where the next one begins."""
+    end = len(content)
+    if opcode == Opcode.CHUNK:
+        return _sized(content, (28, 4), (0, 8)) == end
+    if opcode == Opcode.ATTACHMENT:
+        return _sized(content, (16, 4), (0, 4), (0, 8)) == end - 4
+    if opcode == Opcode.METADATA:
+        return _sized(content, (0, 4), (0, 4)) == end
+    if opcode == Opcode.MESSAGE_INDEX:
+        return _sized(content, (2, 4)) == end
+    return (opcode == Opcode.DATA_END and end == 4) or opcode in _FREE
+
+
+def read_by_inner_length(file: IO[bytes], offset: int) -> tuple[int, bytes] | None:
+    """Return a chunk whose own length is damaged but whose content says how long it is, None where none is.
+
+    Its checksum tells whether it was one.
+    """
+    file.seek(offset)
+    start = file.read(PREFIX.size + 64)
+    if len(start) < PREFIX.size + 64 or start[0] != Opcode.CHUNK:
+        return None
+    length = _sized(start[PREFIX.size :], (28, 4), (0, 8))
+    if length > size_of(file) - offset - PREFIX.size:
+        return None
+    file.seek(offset + PREFIX.size)
+    content = file.read(length)
+    return (int(Opcode.CHUNK), content) if fits(Opcode.CHUNK, content) else None
+
+
+def _sized(content: bytes, *fields: tuple[int, int]) -> int:
+    """Return where the last of some fields ends, each so many bytes behind the one before, its length in so many."""
+    place = 0
+    for gap, width in fields:
+        place += gap + width
+        place += int.from_bytes(content[place - width : place], "little")
+    return place
 
 
 def read_chunk(file: IO[bytes], offset: int, budget: Budget) -> list[Schema | Channel | Message]:

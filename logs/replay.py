@@ -107,8 +107,10 @@ class ReplayRobot:
                 yield self._reading(stamp, parts)
 
     def _lost(self, parts: dict[str, bytes]) -> bool:
-        """Return whether a damaged chunk took the panorama of a reading whose odometry is there."""
-        return bool(self._log.file.contents.damaged) and PANORAMA not in parts
+        """Return whether a damaged chunk took panorama or ranges of a reading whose odometry is there."""
+        if not self._log.file.contents.damaged:
+            return False
+        return PANORAMA not in parts or (RANGES not in parts and codec.decode(Odometry, parts[ODOMETRY]).scanned)
 
     def _reading(self, stamp_ns: int, parts: dict[str, bytes]) -> Reading:
         odometry = codec.decode(Odometry, parts[ODOMETRY])

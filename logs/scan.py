@@ -13,10 +13,19 @@ from logs.budget import Budget
 from logs.contents import ChunkEntry, Contents, record_end
 from logs.errors import LogError
 from logs.header import WHOLE
-from logs.pieces import MAGIC, PREFIX, attachment, metadata, open_chunk, read_record, size_of
+from logs.pieces import (
+    MAGIC,
+    PREFIX,
+    attachment,
+    fits,
+    metadata,
+    open_chunk,
+    read_by_inner_length,
+    read_record,
+    size_of,
+)
 
 BLOCK = 1 << 20
-KNOWN = frozenset(range(Opcode.HEADER, Opcode.DATA_END + 1))
 MARKS = (
     (b"\x04\0\0\0zstd", PREFIX.size + 28),
     (b"\x03\0\0\0lz4", PREFIX.size + 28),
@@ -42,8 +51,9 @@ def from_stream(file: IO[bytes]) -> Contents:
         damaged_tail += not sound
         if sound and record[0] in (Opcode.CHUNK, Opcode.ATTACHMENT):
             contents.damaged, damaged_tail = contents.damaged + damaged_tail, 0
+    # a cut goes through one record at most
+    contents.damaged += damaged_tail if ended else max(damaged_tail - 1, 0)
     if ended:
-        contents.damaged += damaged_tail
         contents.note = "its index is cut off or damaged"
     return contents
 
@@ -54,9 +64,15 @@ def _records(file: IO[bytes]) -> Iterator[tuple[int, tuple[int, bytes] | None]]:
     last = len(MAGIC)  # where a record may have begun whose length led astray
     while offset is not None:
         record = read_record(file, offset)
-        if record is not None and record[0] in KNOWN:
+        if record is not None and fits(*record):
             yield offset, record
             last, offset = offset, record_end(offset, record[1])
+            continue
+        inner = read_by_inner_length(file, offset)
+        if inner is not None:
+            yield offset, None
+            yield offset, inner
+            last, offset = offset, record_end(offset, inner[1])
             continue
         found = _next(file, last + 1)
         if found == offset:

@@ -74,8 +74,8 @@ _LAZY = {
 __all__ = [
     "ALIGNERS", "METHODS", "TESTS", "Alignment", "ClosureTest", "Command", "Finding", "HomeVector", "Mapper", "Motion",
     "Navigator", "Panorama", "Pose2", "Reading", "Rig", "Robot", "RobotFault", "RunConfig", "RunData", "RunResult",
-    "TopoMap", "TopomapError", "__version__", "build_navigator", "check_robot", "drive", "home", "load_config", "load_map",
-    "load_panorama", "load_run", "optimise_graph", "read_graph", "replay", "save_map",
+    "TopoMap", "TopomapError", "__version__", "build_navigator", "check_robot", "drive", "home", "load_config",
+    "load_map", "load_panorama", "load_run", "optimise_graph", "read_graph", "replay", "save_map",
 ]  # fmt: skip
 
 
