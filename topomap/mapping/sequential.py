@@ -12,7 +12,7 @@ from topomap.core.records import Estimate
 from topomap.mapping.graph import TopoMap
 from topomap.mapping.odometry.calibration import DistanceScale
 from topomap.mapping.odometry.increments import Calibration, integrate
-from topomap.mapping.odometry.scan_match import MEASURED, SEEN, ScanMatch, match_scans
+from topomap.vision.matching.scan_match import MEASURED, SEEN, ScanMatch, match_scans
 from topomap.mapping.optimizer import TurnEdge
 from topomap.mapping.places.view_cache import ViewCache
 from topomap.vision.contracts import Aligner
