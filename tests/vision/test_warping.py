@@ -13,7 +13,7 @@ from topomap.core.panorama import Panorama
 from topomap.core.rig import Rig
 from topomap.vision.image.scale_planes import WARPING, WarpingSpec, warping_view
 from topomap.vision.matching.kernels import scale_planes, warping_search
-from topomap.vision.matching.warping import movements, best, warp
+from topomap.vision.matching.warping import best, movements, warp
 
 
 def test_planes_are_the_normalised_differences() -> None:

@@ -100,7 +100,15 @@ ON_A_PLAIN_FLOOR = {name for name in METHOD if name.startswith("moment-ground")}
     "pixel-landmarks",
 }
 """The ground line of a patterned floor is a line of the pattern."""
-METRIC = {"delv": 0.1, "delv-quantised": 0.6, "area-centroid": 0.1, "scan-matching": 0.02, "avoiding": 0.02, "auto": 0.1, "auto-fast": 0.1}
+METRIC = {
+    "delv": 0.1,
+    "delv-quantised": 0.6,
+    "area-centroid": 0.1,
+    "scan-matching": 0.02,
+    "avoiding": 0.02,
+    "auto": 0.1,
+    "auto-fast": 0.1,
+}
 """Methods that give a distance, and its relative error in the mean."""
 ALIGNER: dict[str, tuple[float, float]] = {  # mean error [deg] at 0.1 m and at 0.5 m, any rotation
     "visual-compass": (3.0, 12.0),
