@@ -1,3 +1,4 @@
+# ruff: noqa: E501  (a row is a line)
 """The rows of the mission table: every method, figure and table of chapters 2-6 and the appendix of the thesis.
 
 One line a row: item | what it is | call | test | the thesis's figure | ours. Calls are checked against the registry and
