@@ -48,7 +48,8 @@ class SimRobot:
         self._body = Body(world, config.body, *path.at(0.0), path.heading(0.0))
         self._camera = Camera(config.camera, stream(seed, "image noise"))
         self._missing = stream(seed, "missing frames")
-        self._laser = Laser(config.laser, stream(seed, "range noise"))
+        blind = config.laser.scanner == "none"
+        self._laser = None if blind else Laser(config.laser, stream(seed, "range noise"))
         streams = (stream(seed, name) for name in ("drift", "odometry noise", "slip"))
         self._odometer = Odometer(config.odometer, *streams)
         self._events = Events(world, config, self._body, self._driver, self._camera)
@@ -95,7 +96,7 @@ class SimRobot:
             stamp_ns=self._stamp(),
             image=image,
             encoded=encoded,
-            ranges=self._laser.scan(self.world, *pose),
+            ranges=None if self._laser is None else self._laser.scan(self.world, *pose),
             motion=motion,
             rig=self._camera.rig,
             contact=self._body.contact,

@@ -145,7 +145,7 @@ def _covariances(path: Path, lines: list[int], columns: dict[str, list[str]], de
     if not all(name in columns for name in SIGMAS):
         return driven_covariances(deltas, FORWARD_NOISE, TURN_NOISE)
     sigmas = _numbers(path, lines, columns, SIGMAS)
-    return np.einsum("ni,ij->nij", sigmas**2, np.eye(3))
+    return np.asarray(np.einsum("ni,ij->nij", sigmas**2, np.eye(3)))
 
 
 def _images(path: Path, lines: list[int], columns: dict[str, list[str]]) -> tuple[Path, ...]:
