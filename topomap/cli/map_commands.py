@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from contextlib import nullcontext
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-import click
 import typer
 from typer.core import TyperGroup
 
@@ -13,13 +13,16 @@ from topomap.cli.console import console, progress
 from topomap.cli.run_commands import show
 from topomap.cli.words import CONFIG, SETTINGS
 
+if TYPE_CHECKING:
+    from typer._click.core import Command, Context  # typer's own copy of click: for the types alone
+
 
 class _FolderOrCommand(TyperGroup):
     """`map FOLDER` is `map drive FOLDER`: what names no command is a folder."""
 
     def resolve_command(
-        self, ctx: click.Context, args: list[str]
-    ) -> tuple[str | None, click.Command | None, list[str]]:
+        self, ctx: Context, args: list[str]
+    ) -> tuple[str | None, Command | None, list[str]]:
         known = args[0] in self.commands or args[0].startswith("-")
         return super().resolve_command(ctx, args if known else ["drive", *args])
 

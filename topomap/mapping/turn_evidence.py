@@ -40,10 +40,13 @@ WORST_ODOMETER = math.radians(1.5)
 """[rad per square-root m] What an odometer may err by: three times the simulator's. Two methods that see the same two
 views far apart go wrong together (photographs 1 m apart: by 6 to 10 degrees, and by 2 from one another), and the
 odometer would be blamed for it."""
+COMMON = 0.1
+"""Least share of what two methods differ by that is each one's: in grass they shared a tenth of it."""
 DISMISSED = 3.0
 """Sigmas of rotation scale and fit beyond which a method's turns and the odometer's don't belong together."""
 DISAGREE = 3.0
-"""Sigmas beyond which two methods contradict one another: then the turn is as unsure as they are apart."""
+"""Sigmas beyond which two methods contradict one another: then the turn is as unsure as they are apart, else by the
+better one's part of that at least."""
 EXPECTED = (0.15, 0.03)
 """How far gain and bend [rad/m] may lie from what is expected: three times the odometers'. Where a robot always turns
 the same way at the same rate, the two can't be told apart otherwise."""
@@ -176,8 +179,9 @@ def _seen(c: Columns) -> Seen:
     first = np.isfinite(methods[best])
     turns = np.where(first, methods[best], methods[1 - best])
     own = np.sqrt(np.where(first, variances[best], variances[1 - best]))
-    contradicted = np.abs(apart) > DISAGREE * max(between.scatter, FINEST)
-    own = np.where(contradicted & checked, np.maximum(own, np.abs(apart)), own)
+    part = math.sqrt(variances[best] / sum(variances))
+    doubt = np.where(np.abs(apart) > DISAGREE * max(between.scatter, FINEST), 1.0, part) * np.nan_to_num(np.abs(apart))
+    own = np.maximum(own, doubt) if checked else own
     share = math.hypot(SHARE, between.gain) if checked else SHARE_UNCHECKED
     odometer = _told(c, lines[best], variances[best] if checked else math.inf) if lines[best].possible else None
     return Seen(turns, np.hypot(own, share * np.abs(turns) * _alike(turns)), odometer)
@@ -198,7 +202,7 @@ def _hat(lines: Sequence[Line], between: Line, worst: float) -> list[float]:
     a, b = (one.scatter**2 for one in lines)
     difference, chance = a - b, 0.5 * (a + b) * 2.0 / math.sqrt(between.count)
     difference *= difference**2 / (difference**2 + chance**2)
-    least = max(0.25 * between.variance, FINEST**2)
+    least = max(COMMON * between.variance, 0.75 * chance, FINEST**2)
     parts = [0.5 * (between.variance + difference), 0.5 * (between.variance - difference)]
     return [max(part, one.variance - worst, least) for part, one in zip(parts, lines, strict=True)]
 
@@ -231,13 +235,14 @@ def line(turns: FloatArray, c: Columns, gain: float) -> Line:
     if count < FEWEST:
         return Line(gain, math.inf, 0.0, 0.0, count, np.full(len(turns), np.nan))
     design, off = np.column_stack([c.read[known], c.forward[known]]), turns[known] - gain * c.read[known]
-    fit, weights = np.zeros(2), np.ones(count)
+    fit: FloatArray = np.zeros(2)
+    weights = np.ones(count)
     for _ in range(FIT_STEPS):
         left = off - design @ fit
         scatter = max(MAD_TO_SIGMA * float(np.median(np.abs(left))), 1e-6)
         weights = 1.0 / (1.0 + (left / (2.0 * scatter)) ** 2) ** 2
         information = (design * weights[:, None]).T @ design + scatter**2 * np.diag(1.0 / np.square(EXPECTED))
-        fit = np.linalg.solve(information, design.T @ (weights * off))
+        fit = np.asarray(np.linalg.solve(information, design.T @ (weights * off)))
     sigma = scatter * math.sqrt(float(np.linalg.inv(information)[0, 0]))
     beside = turns - (gain + fit[0]) * c.read - fit[1] * c.forward
     return Line(gain + float(fit[0]), sigma, float(fit[1]), scatter, count, np.asarray(beside))
