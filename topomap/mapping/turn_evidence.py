@@ -104,18 +104,18 @@ class Line(NamedTuple):
     gain_sigma: float
     bend: float
     scatter: float
-    count: int
+    number: int
     off: FloatArray
 
     @property
     def known(self) -> bool:
         """Whether there were enough turns to tell anything."""
-        return self.count >= FEWEST
+        return self.number >= FEWEST
 
     @property
     def variance(self) -> float:
         """The scatter's variance [rad^2], widened as few turns tell it."""
-        return self.scatter**2 * (1.0 + YOUNG / math.sqrt(max(self.count, 1)))
+        return self.scatter**2 * (1.0 + YOUNG / math.sqrt(max(self.number, 1)))
 
     @property
     def possible(self) -> bool:
@@ -200,7 +200,7 @@ def _hat(lines: Sequence[Line], between: Line, worst: float) -> list[float]:
     as it stands out of the scatter of so many turns.
     """
     a, b = (one.scatter**2 for one in lines)
-    difference, chance = a - b, 0.5 * (a + b) * 2.0 / math.sqrt(between.count)
+    difference, chance = a - b, 0.5 * (a + b) * 2.0 / math.sqrt(between.number)
     difference *= difference**2 / (difference**2 + chance**2)
     least = max(COMMON * between.variance, 0.75 * chance, FINEST**2)
     parts = [0.5 * (between.variance + difference), 0.5 * (between.variance - difference)]
@@ -224,7 +224,7 @@ def _told(c: Columns, one: Line, variance: float) -> tuple[float, float] | None:
     scatter = (MAD_TO_SIGMA * float(np.median(np.abs(one.off[told]) / np.sqrt(declared)))) ** 2
     worst = float(np.median(WORST_ODOMETER**2 * c.rolled[told] / declared))
     least = max(scatter - variance * float(np.median(1.0 / declared)), 0.0)
-    most = min(scatter * (1.0 + YOUNG / math.sqrt(one.count)), worst)
+    most = min(scatter * (1.0 + YOUNG / math.sqrt(one.number)), worst)
     return min(least, most), most
 
 

@@ -51,7 +51,8 @@ class FolderRobot:
             return None
         self._next += 1
         dt = float(table.stamps_ns[k] - table.stamps_ns[max(k - 1, 0)]) * 1e-9
-        motion = Motion(*table.deltas[k].tolist(), np.array(table.covariances[k]), dt)
+        forward, left, turn = table.deltas[k].tolist()
+        motion = Motion(forward, left, turn, np.array(table.covariances[k]), dt)
         path = table.images[k]
         try:
             return RecordedReading(
