@@ -78,3 +78,12 @@ def test_few_closures_compare_nothing() -> None:
     assert contest.kept == FULL
     assert contest.errors == {}
     assert "too few" in contest.reason
+
+
+@pytest.mark.parametrize(("sigma", "kept"), [(0.0005, FULL), (0.1, DEAD)])
+def test_with_nothing_seen_again_only_turns_better_than_the_odometers_correct_it(sigma: float, kept: str) -> None:
+    made = ring(4, closures=4)
+    problem = with_turns(replace(made.problem, closures=made.problem.closures[:0]), made.truth, 1.0)
+    problem = replace(problem, turns=tuple(replace(turn, sigma=sigma) for turn in problem.turns))
+    assert compete(problem, dead_reckoning(made.problem), (), SETTINGS).kept == kept
+    assert compete(problem, dead_reckoning(made.problem), problem.turns, SETTINGS).kept == FULL

@@ -20,9 +20,7 @@ if TYPE_CHECKING:
 class _FolderOrCommand(TyperGroup):
     """`map FOLDER` is `map drive FOLDER`: what names no command is a folder."""
 
-    def resolve_command(
-        self, ctx: Context, args: list[str]
-    ) -> tuple[str | None, Command | None, list[str]]:
+    def resolve_command(self, ctx: Context, args: list[str]) -> tuple[str | None, Command | None, list[str]]:
         known = args[0] in self.commands or args[0].startswith("-")
         return super().resolve_command(ctx, args if known else ["drive", *args])
 

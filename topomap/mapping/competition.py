@@ -26,6 +26,9 @@ FEWEST = 4
 SURE = 2.0
 """Standard errors by which a rival has to be better: the map is what all evidence says."""
 
+CLEARLY = 0.5
+"""Share of the odometer's error below which turns by sight correct it, with nothing else to tell whether they do."""
+
 FULL, BLIND, DEAD = "all evidence", "without turns by sight", "dead reckoning"
 
 
@@ -39,6 +42,8 @@ class Contest:
     @property
     def reason(self) -> str:
         """Say it in a line."""
+        if self.kept == DEAD and not self.errors:
+            return f"{DEAD}: no place was seen again, and turns by sight err as much as the odometer's"
         if not self.errors:
             return f"{self.kept}: too few closures to compare it with anything"
         said = ", ".join(f"{name} {error:.2f}" for name, error in self.errors.items())
@@ -59,6 +64,8 @@ def compete(
 
     dead_reckoning (N, 3): the nodes by odometry as read; scanned: those of the turns that ranges measured.
     """
+    if not len(problem.closures) and not len(scanned) and not _turns_tell(problem):
+        return Contest(DEAD, {})
     stretch = _stretches(problem.closures)
     if stretch.max(initial=-1) + 1 < FEWEST:
         return Contest(FULL, {})
@@ -74,6 +81,17 @@ def compete(
         if float(better.mean()) > SURE * float(better.std(ddof=1)) / math.sqrt(len(better)):
             best = name
     return Contest(best, {name: float(error.mean()) for name, error in errors.items()})
+
+
+def _turns_tell(problem: Problem) -> bool:
+    """Return whether turns by sight err clearly less than the odometer's over the same way."""
+    if not problem.turns:
+        return False
+    variance = problem.odometry.increments.integrate(problem.calibration).covariances(problem.calibration)[:, 2, 2]
+    summed = np.concatenate([[0.0], np.cumsum(variance)])
+    place = {int(node): k for k, node in enumerate([*problem.odometry.i.tolist(), int(problem.odometry.j[-1])])}
+    odometer = [summed[place[turn.j]] - summed[place[turn.i]] for turn in problem.turns]
+    return bool(np.median([turn.sigma for turn in problem.turns]) < CLEARLY * math.sqrt(float(np.median(odometer))))
 
 
 def _stretches(closures: Closures) -> IntArray:

@@ -151,11 +151,11 @@ def _beside(rotation: float, read: float) -> float:
 
 
 def _factor(told: tuple[float, float] | None) -> float | None:
-    """Return what the declared variance is taken times: as declared where that may be, else what was found."""
+    """Return what the declared variance is taken times: as declared where that may be, else the nearest that may."""
     if told is None:
         return None
     least, most = told
-    return 1.0 if least <= 1.0 <= most else max(most, FAINTEST)
+    return max(min(max(1.0, least), most), FAINTEST)
 
 
 FAINTEST = 1e-3

@@ -21,6 +21,7 @@ import numpy as np
 
 from topomap.core.arrays import BoolArray, FloatArray
 from topomap.mapping.odometry.calibration import MAD_TO_SIGMA
+from topomap.mapping.odometry.noise import WIDE_TURN
 from topomap.mapping.optimizer.problem import PRIOR_SIGMAS, TurnEdge
 
 FEWEST = 12
@@ -42,6 +43,8 @@ views far apart go wrong together (photographs 1 m apart: by 6 to 10 degrees, an
 odometer would be blamed for it."""
 COMMON = 0.1
 """Least share of what two methods differ by that is each one's: in grass they shared a tenth of it."""
+AMBIGUOUS = 0.3
+"""Share of its greatest variance below which an odometer's least one says nothing of it."""
 DISMISSED = 3.0
 """Sigmas of rotation scale and fit beyond which a method's turns and the odometer's don't belong together."""
 DISAGREE = 3.0
@@ -173,8 +176,11 @@ def _seen(c: Columns) -> Seen:
     apart = methods[0] - methods[1]
     between = line(apart, c, 0.0)
     checked = between.known and lines[0].known and lines[1].known
-    worst = WORST_ODOMETER**2 * float(np.median(c.rolled)) if len(c.rolled) else 0.0
-    variances = _hat(lines, between, worst) if checked else [_alone(one) for one in lines]
+    ranges = _hat(lines, between, c) if checked else [_alone(one) for one in lines]
+    declared = float(np.median(c.variance)) if len(c.variance) else 0.0
+    # what the odometer declares is taken for true as far as it can be, so that both are believed little where the
+    # data doesn't say which of them errs
+    variances = [min(max(one.scatter**2 - declared, low), high) for one, (low, high) in zip(lines, ranges, strict=True)]
     best = int(variances[1] < variances[0])
     first = np.isfinite(methods[best])
     turns = np.where(first, methods[best], methods[1 - best])
@@ -183,7 +189,7 @@ def _seen(c: Columns) -> Seen:
     doubt = np.where(np.abs(apart) > DISAGREE * max(between.scatter, FINEST), 1.0, part) * np.nan_to_num(np.abs(apart))
     own = np.maximum(own, doubt) if checked else own
     share = math.hypot(SHARE, between.gain) if checked else SHARE_UNCHECKED
-    odometer = _told(c, lines[best], variances[best] if checked else math.inf) if lines[best].possible else None
+    odometer = _told(c, lines[best], ranges[best][1]) if lines[best].possible else None
     return Seen(turns, np.hypot(own, share * np.abs(turns) * _alike(turns)), odometer)
 
 
@@ -193,39 +199,45 @@ def _alike(turns: FloatArray) -> float:
     return math.sqrt(max(float(squares.sum() ** 2 / max(float((squares**2).sum()), 1e-18)), 1.0))
 
 
-def _hat(lines: Sequence[Line], between: Line, worst: float) -> list[float]:
-    """Return both methods' variances [rad^2] from those of all differences; worst: what the odometer's may be.
+def _hat(lines: Sequence[Line], between: Line, c: Columns) -> list[tuple[float, float]]:
+    """Return both methods' variances [rad^2], least and most, from those of all differences.
 
     Half of what they differ by is each one's, but for what they differ from the odometer unlike by; that counts as far
-    as it stands out of the scatter of so many turns.
+    as it stands out of the scatter of so many turns. As much again they may err together, and whatever an odometer
+    can't.
     """
     a, b = (one.scatter**2 for one in lines)
     difference, chance = a - b, 0.5 * (a + b) * 2.0 / math.sqrt(between.number)
     difference *= difference**2 / (difference**2 + chance**2)
-    least = max(COMMON * between.variance, 0.75 * chance, FINEST**2)
-    parts = [0.5 * (between.variance + difference), 0.5 * (between.variance - difference)]
-    return [max(part, one.variance - worst, least) for part, one in zip(parts, lines, strict=True)]
+    finest = max(COMMON * between.variance, 0.75 * chance, FINEST**2)
+    worst = WORST_ODOMETER**2 * float(np.median(c.rolled))
+    ranges = []
+    for one, sign in zip(lines, (1.0, -1.0), strict=True):
+        least = max(0.5 * (between.variance + sign * difference), one.variance - worst, finest)
+        ranges.append((least, least + between.variance))
+    return ranges
 
 
-def _alone(one: Line) -> float:
-    """Return the variance of a method that only the odometer checks: all they differ by is put down to it."""
-    return max(one.variance, FINEST**2) if one.known else UNCHECKED**2
+def _alone(one: Line) -> tuple[float, float]:
+    """Return the variance [rad^2] of a method that only the odometer checks: all they differ by is put down to it."""
+    variance = max(one.variance, FINEST**2) if one.known else UNCHECKED**2
+    return variance, variance
 
 
 def _told(c: Columns, one: Line, variance: float) -> tuple[float, float] | None:
     """Return the odometer's variance of a turn over the declared one, least and most, by one method's turns.
 
-    variance: the method's own [rad^2], infinite where only the odometer checks it: then the odometer's may be nothing.
+    variance: what the method's own may be at most [rad^2]. Where that may explain all, a poor odometer's is the least.
     """
     told = np.isfinite(one.off) & (c.variance > 0.0)
     if not one.known or not told.any():
         return None
     declared = c.variance[told]
     scatter = (MAD_TO_SIGMA * float(np.median(np.abs(one.off[told]) / np.sqrt(declared)))) ** 2
-    worst = float(np.median(WORST_ODOMETER**2 * c.rolled[told] / declared))
-    least = max(scatter - variance * float(np.median(1.0 / declared)), 0.0)
+    worst, poor = (float(np.median(wide**2 * c.rolled[told] / declared)) for wide in (WORST_ODOMETER, WIDE_TURN))
     most = min(scatter * (1.0 + YOUNG / math.sqrt(one.number)), worst)
-    return min(least, most), most
+    least = max(scatter - variance * float(np.median(1.0 / declared)), 0.0)
+    return min(poor if least < AMBIGUOUS * most else least, most), most
 
 
 def line(turns: FloatArray, c: Columns, gain: float) -> Line:
