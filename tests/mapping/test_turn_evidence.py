@@ -11,6 +11,7 @@ from topomap.core.arrays import FloatArray
 from topomap.mapping.turn_evidence import SHARE_UNCHECKED, MeasuredTurn, TurnEvidence, Weighed
 
 DEGREE = math.radians(1.0)
+WAY = 0.3  # [m]
 CORNER = math.radians(90.0)
 
 
@@ -32,7 +33,7 @@ def weighed(
     declared: float = 1.0,
     lost: float = 0.0,
 ) -> tuple[Weighed, FloatArray]:
-    """Weigh a drive of 1 m edges.
+    """Weigh a drive of many short edges.
 
     aligned, matched: errors of the two methods, common: one that they share [degree]; gain: of the aligner's turns;
     declared: the odometer's variance, as a multiple of the true one; lost: share of the aligner's turns that read 0.
@@ -41,11 +42,11 @@ def weighed(
     true, evidence = drive(n, seed), TurnEvidence()
     shared = rng.normal(0.0, common, n)
     for k, turn in enumerate(true.tolist()):
-        read = 1.04 * turn + 0.003 + rng.normal(0.0, 0.5 * DEGREE)
+        read = 1.04 * turn + 0.003 * WAY + rng.normal(0.0, 0.5 * DEGREE)
         seen = 0.0 if rng.random() < lost else gain * turn + (rng.normal(0.0, aligned) + shared[k]) * DEGREE
         second = math.nan if matched is None else turn + (rng.normal(0.0, matched) + shared[k]) * DEGREE
         evidence.add(
-            MeasuredTurn(k, k + 1, read, 1.0, declared * (0.5 * DEGREE) ** 2, 1.0, aligned=seen, matched=second)
+            MeasuredTurn(k, k + 1, read, WAY, declared * (0.5 * DEGREE) ** 2, 1.0, aligned=seen, matched=second)
         )
     return evidence.weigh(), true
 
@@ -62,7 +63,7 @@ def test_errors_are_told_by_the_data(aligned: float, matched: float) -> None:
     for seed in range(5):
         found, true = weighed(400, seed, aligned, matched)
         sigma, z = straight_sigmas(found, true)
-        assert float(np.median(sigma)) < 0.9 * math.hypot(aligned, matched) * DEGREE
+        assert float(np.median(sigma)) < math.hypot(0.9 * math.hypot(aligned, matched), 0.25) * DEGREE
         assert 0.2 < float(np.sqrt(np.mean(z**2))) < 1.3
 
 
