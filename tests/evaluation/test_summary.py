@@ -33,6 +33,9 @@ KEYS = {
     "home": {"asked", "claimed", "within_0_3_m", "error_m", "path_ratio", "collisions"},
     "trust": {"kept", "way_noise", "turn_noise"},
     "graph_hash": None,
+    "topology_hash": None,
+    "fault": None,
+    "log": {"state", "note"},
     "versions": None,
 }
 

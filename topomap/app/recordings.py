@@ -23,17 +23,22 @@ from topomap.datasets.tuc.recording import read_tuc
 from topomap.evaluation.summary import write_whole
 from topomap.mapping.drive_engine import AlongSettings
 from topomap.recording.encode import run_header
+from topomap.report.figures.style import png
 
 
-def map_tuc(path: Path, out: Path, building_axes: bool = False) -> RunResult:
+def map_tuc(path: Path, out: Path, building_axes: bool = False, force: bool = False) -> RunResult:
     """Map a folder in the TUC format; write trajectories, summary and report. Raises DataError.
+
+    force: replace what an earlier run left in the folder.
 
     building_axes: assume that straight stretches run along two axes of the building; the result is named so.
     """
     recording = read_tuc(path)
-    folder = RunFolder.create(out)
+    folder = RunFolder.create(out, force=force)
     data = map_recording(recording, AlongSettings(building_axes=building_axes), versions())
-    result = conclude(data, folder)
+    with folder.owned():
+        folder.clear()
+        result = conclude(data, folder)
     return replace(result, files=(*write_tum(data, out), folder.summary, folder.report))
 
 
@@ -47,20 +52,21 @@ def map_folder(
     *,
     config: Path | str | None = None,
     settings: Iterable[str] = (),
+    force: bool = False,
     progress: Progress = _quiet,
 ) -> RunResult:
     """Map a drive from a folder with drive.csv, rig.json and panoramas; write log, map, summary and report.
 
     out: folder for them; config: TOML file with settings; settings: words as `stack.mapper.snapshots.threshold=0.6`;
-    progress: is told the steps done. The format is told by `topomap.datasets.drive_folder`. Raises DataError and
-    ConfigError.
+    force: replace what an earlier run left there; progress: is told the steps done. The format is told by
+    `topomap.datasets.drive_folder`. Raises DataError and ConfigError.
     """
     chosen = load_config(None if config is None else Path(config), settings)
-    return map_drive(read_folder(Path(folder)), Path(out), chosen, progress)
+    return map_drive(read_folder(Path(folder)), RunFolder.create(Path(out), force=force), chosen, progress)
 
 
 def map_drive(
-    drive: DriveFolder, out: Path, config: RunConfig, progress: Progress, made_odometry: int | None = None
+    drive: DriveFolder, folder: RunFolder, config: RunConfig, progress: Progress, made_odometry: int | None = None
 ) -> RunResult:
     """Map a drive that was read from a folder.
 
@@ -73,7 +79,7 @@ def map_drive(
     stored = {part: values for part, values in config.resolved().items() if part != "sim"}
     start = robot.truth()
     header = run_header(drive.name, drive.rig, made_odometry, stored, versions(), start, known)
-    result = execute(robot, robot if start is not None else None, header, config, RunFolder.create(out), progress)
+    result = execute(robot, robot if start is not None else None, header, config, folder, progress)
     return replace(result, notes=(*drive.notes, *result.notes))
 
 
@@ -91,5 +97,5 @@ def write_bench(rows: Sequence[RecordingRow], out: Path) -> tuple[Path, ...]:
     """Write recording.json, recording.csv and recording.png."""
     write_whole(out / "recording.json", to_json(rows))
     write_whole(out / "recording.csv", to_csv(rows))
-    firmness(rows).savefig(out / "recording.png", dpi=130, metadata={"Software": None})
+    write_whole(out / "recording.png", png(firmness(rows)))
     return tuple(out / f"recording.{kind}" for kind in ("json", "csv", "png"))

@@ -11,7 +11,7 @@ from typer.core import TyperGroup
 
 from topomap.cli.console import console, progress
 from topomap.cli.run_commands import show
-from topomap.cli.words import CONFIG, SETTINGS
+from topomap.cli.words import CONFIG, FORCE, SETTINGS
 
 if TYPE_CHECKING:
     from typer._click.core import Command, Context  # typer's own copy of click: for the types alone
@@ -49,6 +49,7 @@ def drive(
     out: Path | None = typer.Option(None, help="Folder for log, map, summary and report [runs/NAME]."),
     config: Path | None = CONFIG,
     settings: list[str] = SETTINGS,
+    force: bool = FORCE,
     made_odometry: int | None = typer.Option(
         None, min=0, metavar="SEED", help="An experiment: make odometry from the true positions, with drift and noise."
     ),
@@ -56,11 +57,13 @@ def drive(
     """Map a drive of panoramas with odometry: `map FOLDER` for short; write log, map, summary and report."""
     from topomap.app import recordings
     from topomap.app.config import load_config
+    from topomap.app.folder import RunFolder
     from topomap.datasets.drive_folder import read_folder
 
     chosen, recorded = load_config(config, settings), read_folder(path)
+    folder = RunFolder.create(out or Path("runs") / recorded.name, force=force)
     with progress(recorded.name, len(recorded.table)) as advance:
-        result = recordings.map_drive(recorded, out or Path("runs") / recorded.name, chosen, advance, made_odometry)
+        result = recordings.map_drive(recorded, folder, chosen, advance, made_odometry)
     show(result)
 
 
@@ -68,6 +71,7 @@ def drive(
 def tuc(
     path: Path = typer.Argument(help="Folder of a TUC recording: *_Input.txt and, if known, *_GT.txt."),
     out: Path | None = typer.Option(None, help="Folder for trajectory, summary and report [runs/NAME]."),
+    force: bool = FORCE,
     building_axes: bool = typer.Option(
         False, "--building-axes", help="Assume that straight stretches run along the building's two axes."
     ),
@@ -76,5 +80,5 @@ def tuc(
     from topomap.app import recordings
 
     with console.status("mapping") if console.is_terminal else nullcontext():
-        result = recordings.map_tuc(path, out or Path("runs") / path.resolve().name, building_axes)
+        result = recordings.map_tuc(path, out or Path("runs") / path.resolve().name, building_axes, force)
     show(result)

@@ -56,7 +56,8 @@ class RunData:
     stage_ms: milliseconds (N,) by stage of the step, NaN where none was logged;
     trust: what the finished map makes of its evidence;
     milestones: the node ids of the planned route home; claimed: the robot said that it arrived; goal_node: where it was
-    sent.
+    sent; fault: what ended the run before its time; log_state, log_note: whether all that was written of it was there
+    to be read ("whole"), and what was not.
     """
 
     world: str
@@ -87,6 +88,10 @@ class RunData:
     replayed: bool = False
     graph_hash: str = ""
     trust: Trust = field(default_factory=Trust)
+    topology_hash: str = ""
+    fault: str = ""
+    log_state: str = "whole"
+    log_note: str = ""
     steps_per_s: float | None = None
     stage_ms: Mapping[str, FloatArray] = field(default_factory=dict)
     false_distance_m: float = 1.0

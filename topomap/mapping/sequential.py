@@ -15,7 +15,6 @@ from topomap.mapping.graph import TopoMap
 from topomap.mapping.odometry.calibration import DistanceScale
 from topomap.mapping.odometry.increments import Calibration, Increments, integrate
 from topomap.mapping.odometry.noise import OdometerNoise, declared, rolled
-from topomap.mapping.odometry.scan_match import MEASURED, SEEN, ScanMatch, match_scans
 from topomap.mapping.optimizer import TurnEdge
 from topomap.mapping.places.view_cache import ViewCache
 from topomap.mapping.turn_evidence import SHARE_UNCHECKED, UNCHECKED, MeasuredTurn, TurnEvidence
@@ -23,6 +22,7 @@ from topomap.vision.compass.epipolar_compass import EpipolarCompass
 from topomap.vision.contracts import Aligner
 from topomap.vision.homing.epipolar import ENOUGH
 from topomap.vision.image.ground_line import ground_ranges
+from topomap.vision.matching.scan_match import MEASURED, SEEN, ScanMatch, match_scans
 
 SCAN_TURN_SIGMA = math.radians(0.05)
 """[rad] Least error of a turn measured by ranges."""
