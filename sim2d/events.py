@@ -13,6 +13,7 @@ from sim2d.errors import WorldError
 from sim2d.world import World
 
 Pose = tuple[float, float, float]
+HOUR_STEP = 0.05  # [h] in which the sun turns by half a degree: its patch moves by 2 cm on the floor
 
 
 class Events:
@@ -26,27 +27,36 @@ class Events:
             check_place(world, kidnap)
         self._kidnaps = list(config.kidnaps)
         self._dt = config.body.step
-        self._driven = 0.0
+        self._rate, self._since = config.camera.hour_rate, 0.0
 
     def before_step(self, seconds: float) -> None:
         """Do what is due at `seconds` of run time, and let people set out on the step."""
         robot = (self._body.x, self._body.y, self._body.radius)
         self._changes.update(self._driver.laps, seconds, self._driver.progress, robot)
         self._change_lights(seconds)
-        self._world.people.start(seconds, self._dt, robot)
+        self._world.people.start(seconds, self._dt, robot, self._along())
 
-    def carry_away(self, seconds: float, handed_over_s: float | None) -> None:
+    def _along(self) -> float:
+        """Return how far the robot is on the route [m]; once the driver is done, by the nearest point of it."""
+        path = self._driver.path
+        if not self._driver.done or not self._world.people.accompany:
+            return self._driver.progress
+        return path.nearest(self._body.x, self._body.y)
+
+    def carry_away(self, seconds: float, handed_over_s: float | None) -> bool:
         """Put the robot where it is carried to, once that is due; the route goes on at its nearest point.
 
-        seconds: of run time; handed_over_s: since the driver handed over, None before.
+        seconds: of run time; handed_over_s: since the driver handed over, None before. Returns whether it was carried.
         """
-        for kidnap in [k for k in self._kidnaps if _has_come(k, seconds, handed_over_s)]:
+        due = [k for k in self._kidnaps if _has_come(k, seconds, handed_over_s)]
+        for kidnap in due:
             self._kidnaps.remove(kidnap)
             x, y, heading = self._carried_to(kidnap)
             self._body.put(x, y, heading + math.radians(kidnap.turn_deg))
             path = self._driver.path
             if not self._driver.done:
                 self._driver.progress = path.nearest(x, y)
+        return bool(due)
 
     def _carried_to(self, kidnap: KidnapConfig) -> Pose:
         """Return the pose a kidnap ends at, without its turn on the spot."""
@@ -62,6 +72,15 @@ class Events:
         for change in due:
             self._lights.remove(change)
             self._camera.hour = change.hour
+            self._since = seconds
+        self._pass_time(seconds)
+
+    def _pass_time(self, seconds: float) -> None:
+        """Let the day go on, in steps that are worth painting the world anew for."""
+        passed = (seconds - self._since) / 3600 * self._rate
+        if self._camera.hour is not None and passed >= HOUR_STEP:
+            self._camera.hour = (self._camera.hour + passed) % 24
+            self._since = seconds
 
 
 def _is_due(change: LightChange, laps: float, seconds: float) -> bool:

@@ -10,8 +10,8 @@ import numpy as np
 from topomap.core.arrays import FloatArray
 from topomap.core.geometry import Pose2, wrap
 from topomap.core.panorama import Panorama
-from topomap.mapping.odometry.scan_match import MEASURED, SEEN, match_scans
 from topomap.vision.image.ground_line import ground_ranges
+from topomap.vision.matching.scan_match import MEASURED, SEEN, match_scans
 
 MEASURED_FLOOR = np.diag(np.square([0.05, 0.05, math.radians(1.0)]))
 """Least covariance of a fix by ranges: successive ones share what the map has wrong there."""
