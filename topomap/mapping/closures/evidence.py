@@ -46,7 +46,7 @@ def log_evidence(drive: Drive, state: MapState, closures: Claims, log_prior: Flo
 def _bridged(drive: Drive, closures: Claims) -> float:
     """Return what gaps in the odometry took from the density of closures that bridge them.
 
-    Across a gap a true claim is as likely as one of any two places, not less: how wide the gap is stated is no evidence.
+    Across a gap a true claim is as likely as one of any two places, not less: how wide a gap is stated is no evidence.
     """
     information = drive.solver.odometry.information
     gaps = information[:, 2, 2] * UNKNOWN <= 1.0

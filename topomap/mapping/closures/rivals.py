@@ -35,7 +35,7 @@ def likeliest(drive: Drive, claims: Claims, tests: Sequence[ClosureTest] = TESTS
         return batch.run()
     names = (AT_ONCE, GROWN) if batch.mostly_true else (GROWN, AT_ONCE)
     found = [_solved(names[0], batch)]
-    if not _complete(batch):
+    if not _complete(batch) and (names[1] == GROWN or batch.pulls_quickly):
         found.append(_solved(names[1], batch.again()))
     best = max(found, key=lambda solution: solution.evidence)
     if best.evidence <= 0.0:

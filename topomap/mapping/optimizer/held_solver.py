@@ -61,6 +61,10 @@ class HeldSolver:
             found = poses
         return Ended(found, graph.chi2(found) <= settings.cutoff**2)
 
+    def fill(self, closures: Closures) -> int:
+        """Return how many blocks the factor of a solve with closures has: its time grows faster than they do."""
+        return len(self._graph(closures, len(self.odometry.i) + 1).pattern.rows)
+
     def error(self, poses: FloatArray, closures: Closures) -> float:
         """Return the squared error of odometry and closures at poses (N, 3)."""
         return float(self.odometry.chi2(poses).sum() + Links.of(closures).chi2(poses).sum())
