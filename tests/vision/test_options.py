@@ -239,7 +239,9 @@ def test_quantised_distances() -> None:
     assert len(np.unique(coarse.round(6))) <= 4 < len(np.unique(fine.round(6)))
     assert DistanceLandmarkVector(levels=4).home(
         DistanceLandmarkVector(levels=4).describe(here), DistanceLandmarkVector(levels=4).describe(there)
-    ) != DistanceLandmarkVector().home(DistanceLandmarkVector().describe(here), DistanceLandmarkVector().describe(there))
+    ) != DistanceLandmarkVector().home(
+        DistanceLandmarkVector().describe(here), DistanceLandmarkVector().describe(there)
+    )
 
 
 def test_inhibition_changes_what_warping_says() -> None:
