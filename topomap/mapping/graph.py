@@ -15,6 +15,7 @@ import numpy as np
 from topomap.core.arrays import Float32Array, FloatArray, IntArray
 from topomap.core.geometry import Pose2, compose, wrap_all
 from topomap.core.recorded import RecordedRig
+from topomap.mapping.experience import Experience
 from topomap.mapping.odometry.increments import Calibration, Increments, integrate, track
 from topomap.mapping.optimizer.problem import ClosureEdge, TurnEdge
 
@@ -41,7 +42,7 @@ class TopoMap:
     """Nodes, their poses, odometry edges along the travelled chain, closures, and turns measured between snapshots.
 
     Node ids count up in the order of creation; `chain` lists them in travel order (a pose node that was inserted
-    later stands between its neighbours). Only Mapper changes a map.
+    later stands between its neighbours). Only Mapper changes a map, but for `experience`, which journeys write.
     """
 
     def __init__(self) -> None:
@@ -50,6 +51,7 @@ class TopoMap:
         self.closures: list[ClosureEdge] = []
         self.turns: list[TurnEdge] = []
         self.calibration = Calibration()
+        self.experience = Experience()
         self.graph: nx.Graph[int] = nx.Graph()
         self._poses = np.zeros((64, 3))
         self._increments: dict[tuple[int, int], Increments] = {}
