@@ -11,6 +11,7 @@ from topomap.navigation.manoeuvres.active_check import ActiveCheck
 from topomap.navigation.mission import Mission
 from topomap.navigation.stopwatch import Stopwatch
 from topomap.navigation.traveller import Traveller
+from topomap.navigation.watchdog import Watchdog
 
 
 class Navigator:
@@ -24,6 +25,11 @@ class Navigator:
         self._mission = mission
         self._traveller = traveller
         self._active = active
+        self._watchdog = Watchdog()
+
+    def take(self, mapper: Mapper) -> None:
+        """Go on with the map of another mapper."""
+        self.mapper = mapper
 
     @property
     def over(self) -> bool:
@@ -45,11 +51,12 @@ class Navigator:
         where = self._localiser.update(self.mapper, change)
         goal = self._mission.goal(reading.driven, self.mapper.map)
         watch.lap("localise")
+        senses = self._watchdog.senses(reading, panorama, self.mapper.track.turn, change.place)
         checked = self._active.step(panorama, reading.contact, self.mapper) if goal.phase is Phase.TRAVEL else None
         if checked is not None:
             self._traveller.pause()
-        turn = self.mapper.track.turn
-        command, travel = checked or self._traveller.step(panorama, turn, where, goal, self.mapper)
+        command, travel = checked or self._traveller.step(senses, where, goal, self.mapper)
+        self._watchdog.commanded(command)
         self._mission.report(travel)
         watch.lap("travel")
         return command, StepRecord(
