@@ -33,6 +33,8 @@ REACH = 1.0
 """[m] How far along the course the belief may be off a milestone that its view says is reached."""
 POLICY_REST = 12
 """Looks without a new minimum after which a policy's leg has come to its end: a round of trial moves is up to nine."""
+TELLING = 0.4
+"""Confidence from which on a milestone's compass is relied on: it errs by 0.5 to 1.2 degrees, in one of ten by 5."""
 TRIALS = 12
 """A policy makes up to nine trial moves for one step ahead, and turns on the spot for each."""
 METHOD_SIGMA = 0.3
@@ -87,7 +89,7 @@ class Homeward:
 
     def _pass(self, j: Journey, sight: Sight, now: Now) -> str:
         j.passed(now.mapper.map, sight.place, now.senses.stamp_ns)
-        j.sight, j.met = None, sight.seen
+        j.sight, j.unseen = None, 0 if sight.seen else j.unseen + 1
         return "milestone reached" if sight.seen else "milestone passed by the believed pose"
 
     def _may_be_there(self, j: Journey, sight: Sight, now: Now) -> bool:
@@ -126,8 +128,8 @@ class Homeward:
     def _bearing(self, j: Journey, sight: Sight, look: Look, now: Now) -> float:
         """Return where to head, by view and belief."""
         pose, milestone = now.where.pose, now.mapper.map.pose(sight.node)
-        if look.difference < SEEN:
-            # the compass is right to a degree where the view is known; the belief's heading may lag behind it
+        if look.difference < SEEN or look.home.confidence >= TELLING:
+            # where the view is known the compass is right to some degrees; the belief's heading may be anything
             pose = Pose2(pose.x, pose.y, wrap(milestone.heading + look.rotation))
         ahead = j.course.point(LOOK_AHEAD)
         return heading_for(pose, milestone, ahead, look.home, now.where.lost, self._least_sigma)

@@ -26,8 +26,8 @@ PLANS = 12
 class Journey:
     """The state of one journey.
 
-    last: place in the course of the milestone passed last, met: whether it was seen, left_ns: when it was passed;
-    sought: steps near the goal; remedy: what is being tried, for `tried` steps; shut: places where nothing got through.
+    last: place in the course of the milestone passed last, left_ns: when; unseen: milestones in a row that weren't seen
+    in passing; sought: steps near the goal; remedy: what is being tried, for `tried` steps; shut: places where nothing got through.
     """
 
     goal: int
@@ -35,7 +35,7 @@ class Journey:
     left_ns: int
     sight: Sight | None = None
     last: int = -1
-    met: bool = True
+    unseen: int = 0
     sought: int = 0
     progress: Progress = field(default_factory=Progress)
     recovery: Recovery = field(default_factory=Recovery)

@@ -38,7 +38,7 @@ class Pilot:
         free = bearing if ranges is None else self._nearest_free(bearing, ranges)
         turn = float(np.clip(GAIN * free, -s.turn_rate, s.turn_rate))
         ahead = max(0.0, np.cos(free)) ** 2 if abs(free) < 1.2 else 0.0
-        return Command(float(min(s.speed, speed or s.speed) * ahead), turn)
+        return Command(float(min(s.speed, s.speed if speed is None else speed) * ahead), turn)
 
     def _nearest_free(self, bearing: float, ranges: Float32Array) -> float:
         room = np.minimum(self._room(self._directions, ranges), LOOK_AHEAD)

@@ -26,10 +26,12 @@ OFF_COURSE, OFF_STEPS = 1.5, 4
 """[m] So far off its course, for so many steps, the robot needs another one."""
 LOST_STEPS = 8
 """Steps of being lost before something is done about it: one odd view says little."""
+UNSEEN = 2
+"""Milestones in a row that weren't seen after which getting no further means being lost, not blocked."""
 STAND_STEPS = 40
 """Steps of standing without senses before the journey is given up: 10 s."""
-BEYOND = 0.3
-"""[m] Where something stands in the way, it stands so far ahead of the body."""
+BEYOND = 0.15
+"""[m] Where something stands in the way, it stands so far ahead of the body: the pilot keeps 6 cm free."""
 
 
 class TravelSettings(BaseModel, frozen=True, extra="forbid"):
@@ -142,7 +144,9 @@ class Traveller:
         if j.sought > SOUGHT * self._homeward.patience:
             return Trouble.UNCERTAIN
         stuck = j.progress.idle > PATIENCE * self._homeward.patience
-        return Trouble.BLOCKED if stuck and not j.sought else None
+        if not stuck or j.sought:
+            return None
+        return Trouble.LOST if j.unseen >= UNSEEN else Trouble.BLOCKED
 
     def _help(self, j: Journey, trouble: Trouble, now: Now) -> tuple[Command, Travel]:
         """Begin the next remedy."""
