@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -25,6 +26,8 @@ DOCK = 0.7
 """[m] Way to the goal from which on that limit holds."""
 LOOK_AHEAD = 0.7
 """[m] How far ahead on the course the robot heads: less sways, more cuts corners (0.2 m radius, 0.4 m/s)."""
+AIMS = (LOOK_AHEAD, 1.0, 1.4)
+"""[m] Points of the course that a way round what stands ahead may lead to."""
 PASSED = 0.15
 """[m] A milestone that lies nearer ahead than this is passed: its bearing tells little any more."""
 SPACING = 0.5
@@ -78,7 +81,18 @@ class Homeward:
             move = self._policy.look(now.senses.panorama, look.rotation, raw)
             return self._policy.drive(now.senses.panorama, raw, speed), replace(travel, home=move)
         bearing = self._bearing(j, sight, look, now)
-        return self._pilot.steer(bearing, now.ranges, speed), replace(travel, home=replace(look.home, bearing=bearing))
+        aims = self._aims(j, now, bearing)
+        command = self._pilot.steer(bearing, now.ranges, speed, aims)
+        return command, replace(travel, home=replace(look.home, bearing=bearing))
+
+    def _aims(self, j: Journey, now: Now, bearing: float) -> list[tuple[float, float]]:
+        """Return points of the course ahead in the robot's frame, turned as the bearing is against the first's."""
+        if now.where.lost >= LOST:
+            return []
+        ahead = [j.course.point(way) for way in AIMS]
+        turn = wrap(bearing - now.where.pose.bearing_to(ahead[0]))
+        ways = [(now.where.pose.distance(point), now.where.pose.bearing_to(point) + turn) for point in ahead]
+        return [(way * math.cos(angle), way * math.sin(angle)) for way, angle in ways]
 
     def _advance(self, j: Journey, now: Now) -> str:
         """Leave a milestone that is believed to be passed; return a note where one was."""
