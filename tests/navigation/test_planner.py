@@ -28,7 +28,9 @@ def test_pose_nodes_are_passed_but_no_milestones() -> None:
 
 def test_an_unknown_or_unconnected_node_is_named() -> None:
     topo = square()
-    with pytest.raises(TopomapError, match="no route from node 0 to node 99: there is no node 99, the map's nodes are 0 to 16"):
+    with pytest.raises(
+        TopomapError, match="no route from node 0 to node 99: there is no node 99, the map's nodes are 0 to 16"
+    ):
         route(topo, 0, 99)
     lonely = topo._store(Node(10**12, 0.0, None), topo.poses[0], len(topo.chain))
     with pytest.raises(TopomapError, match=f"to node {lonely}"):

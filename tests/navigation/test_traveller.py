@@ -7,14 +7,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
-from homing_fakes import RIG, Knowing, KnowingCompass
+from homing_fakes import RIG, Knowing, KnowingCompass, TellingViews
 from maps import STEP_NS
 from roamer import Roamer, difference
 
 from topomap.core.errors import DataError
-from topomap.core.geometry import Pose2
+from topomap.core.geometry import Pose2, wrap
 from topomap.core.panorama import Panorama
-from topomap.core.records import Command, Goal, Hypothesis, HomeVector, Phase, Where
+from topomap.core.records import Alignment, Command, Goal, Hypothesis, HomeVector, Phase, Where
 from topomap.navigation import sight
 from topomap.navigation.homeward import POLICY_REST
 from topomap.navigation.manoeuvres.back_off import SPEED, STEPS
@@ -77,17 +77,31 @@ def test_the_goals_view_alone_is_no_arrival(kind: dict[str, object], says: str) 
 
 
 def test_a_look_alike_place_with_the_wrong_heading_is_no_arrival() -> None:
-    robot = Roamer(homing=AlignedHoming(KnowingCompass(bias=1.5), Knowing()))
+    robot = Roamer(believed=lambda pose: Pose2(pose.x, pose.y, pose.heading + 1.5))
     robot.travel(0, 30)
     assert any("its view is turned by" in note for note in robot.notes())
 
 
-def test_a_wrong_heading_is_found_by_the_full_turn() -> None:
-    robot = Roamer(pose=Pose2(0.1, 0.0, 0.0), believed=lambda pose: Pose2(pose.x, pose.y, pose.heading + math.pi / 2))
-    for _ in range(14):
-        robot.step(4)
-    assert robot.pose.x > 0.6
-    assert abs(robot.pose.y) < 0.3
+@dataclass(frozen=True)
+class NearPrior:
+    """A compass that searches half a radian around what it is told, as aligners do."""
+
+    def align(self, current: Panorama, goal: Panorama, prior: float | None = None) -> Alignment:
+        true = KnowingCompass().align(current, goal).rotation
+        return Alignment(true if prior is None or abs(wrap(true - prior)) < 0.5 else prior, 0.0)
+
+
+@pytest.mark.parametrize("off", [math.pi / 2, -math.pi / 2, math.pi])
+def test_a_wrong_heading_is_found_by_the_full_turn(off: float) -> None:
+    homing = AlignedHoming(NearPrior(), Knowing())
+    views = TellingViews()
+    place = sight.Sight(0, 0, views.view(0.0, 0.0, 0.0), off)
+    look = place.look(views.view(0.1, 0.0, 0.3), homing)
+    assert look.turned
+    assert look.rotation == pytest.approx(0.3, abs=0.02)
+    told = sight.Sight(0, 0, views.view(0.0, 0.0, 0.0), 0.4).look(views.view(0.1, 0.0, 0.3), homing)
+    assert not told.turned
+    assert told.rotation == pytest.approx(0.3, abs=0.02)
 
 
 def test_a_goal_that_is_no_node_is_one_line_with_the_range() -> None:

@@ -41,9 +41,7 @@ class Disturbance:
 class Disturbed:
     """Hands on a robot's readings with the disturbance; places (K, 3): where it may be put."""
 
-    def __init__(
-        self, robot: SimRobot, disturbance: Disturbance, places: FloatArray, rng: np.random.Generator
-    ) -> None:
+    def __init__(self, robot: SimRobot, disturbance: Disturbance, places: FloatArray, rng: np.random.Generator) -> None:
         self._robot, self._kind, self._rng = robot, disturbance.kind, rng
         self._places = places
         self._steps = 0

@@ -16,7 +16,7 @@ from topomap.navigation.journey import Journey
 from topomap.navigation.manoeuvres.policy_drive import PolicyDrive
 from topomap.navigation.pilot import Pilot
 from topomap.navigation.senses import Now
-from topomap.navigation.sight import SEEN, Look, Sight
+from topomap.navigation.sight import KNOWN, NEAR_TURN, SEEN, Look, Sight
 from topomap.navigation.steering import LOST, heading_for
 from topomap.vision.aligned_homing import AlignedHoming
 
@@ -36,8 +36,6 @@ REACH = 1.0
 """[m] How far along the course the belief may be off a milestone that its view says is reached."""
 POLICY_REST = 12
 """Looks without a new minimum after which a policy's leg has come to its end: a round of trial moves is up to nine."""
-TELLING = 0.4
-"""Confidence from which on a milestone's compass is relied on: it errs by 0.5 to 1.2 degrees, in one of ten by 5."""
 TRIALS = 12
 """A policy makes up to nine trial moves for one step ahead, and turns on the spot for each."""
 METHOD_SIGMA = 0.3
@@ -142,8 +140,11 @@ class Homeward:
     def _bearing(self, j: Journey, sight: Sight, look: Look, now: Now) -> float:
         """Return where to head, by view and belief."""
         pose, milestone = now.where.pose, now.mapper.map.pose(sight.node)
-        if look.difference < SEEN or look.home.confidence >= TELLING:
-            # where the view is known the compass is right to some degrees; the belief's heading may be anything
-            pose = Pose2(pose.x, pose.y, wrap(milestone.heading + look.rotation))
+        heading = wrap(milestone.heading + look.rotation)
+        agrees = abs(wrap(heading - pose.heading)) < NEAR_TURN
+        if look.difference < (SEEN if agrees else KNOWN):
+            # where the view is known the compass is right to some degrees, and the belief's heading may be anything;
+            # from farther off a corridor looks much the same both ways
+            pose = Pose2(pose.x, pose.y, heading)
         ahead = j.course.point(LOOK_AHEAD)
         return heading_for(pose, milestone, ahead, look.home, now.where.lost, self._least_sigma)

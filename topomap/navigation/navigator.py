@@ -11,7 +11,7 @@ from topomap.navigation.manoeuvres.active_check import ActiveCheck
 from topomap.navigation.mission import Mission
 from topomap.navigation.stopwatch import Stopwatch
 from topomap.navigation.traveller import Traveller
-from topomap.navigation.watchdog import Watchdog
+from topomap.navigation.sense_check import SenseCheck
 
 
 class Navigator:
@@ -25,7 +25,7 @@ class Navigator:
         self._mission = mission
         self._traveller = traveller
         self._active = active
-        self._watchdog = Watchdog()
+        self._sense_check = SenseCheck()
 
     def take(self, mapper: Mapper) -> None:
         """Go on with the map of another mapper."""
@@ -51,12 +51,12 @@ class Navigator:
         where = self._localiser.update(self.mapper, change)
         goal = self._mission.goal(reading.driven, self.mapper.map)
         watch.lap("localise")
-        senses = self._watchdog.senses(reading, panorama, self.mapper.track.turn, change.place)
+        senses = self._sense_check.senses(reading, panorama, self.mapper.track.turn, change.place)
         checked = self._active.step(panorama, reading.contact, self.mapper) if goal.phase is Phase.TRAVEL else None
         if checked is not None:
             self._traveller.pause()
         command, travel = checked or self._traveller.step(senses, where, goal, self.mapper)
-        self._watchdog.commanded(command)
+        self._sense_check.commanded(command)
         self._mission.report(travel)
         watch.lap("travel")
         return command, StepRecord(

@@ -131,7 +131,7 @@ class Traveller:
         if j.astray_for > OFF_STEPS:
             j.astray_for = 0
             j.plan(now)
-        if j.progress.update(j.course.left):
+        if j.progress.update(j.course.left + off):
             j.recovery.made_progress()
 
     def _trouble(self, j: Journey, now: Now) -> Trouble | None:

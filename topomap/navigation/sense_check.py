@@ -34,7 +34,7 @@ LATE = 3.0
 """Share of the usual time between readings above which one is late."""
 
 
-class Watchdog:
+class SenseCheck:
     """Looks at every reading; what it finds amiss is told once, and steers at every step."""
 
     def __init__(self) -> None:
