@@ -14,7 +14,7 @@ from roamer import Roamer, difference
 from topomap.core.errors import DataError
 from topomap.core.geometry import Pose2, wrap
 from topomap.core.panorama import Panorama
-from topomap.core.records import Alignment, Command, Goal, Hypothesis, HomeVector, Phase, Where
+from topomap.core.records import Alignment, Command, Goal, HomeVector, Hypothesis, Phase, Where
 from topomap.navigation import sight
 from topomap.navigation.homeward import POLICY_REST
 from topomap.navigation.manoeuvres.back_off import SPEED, STEPS

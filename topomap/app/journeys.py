@@ -32,7 +32,7 @@ FROM = 0.25
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Taught:
-    """A taught map, the robot at the end of the lesson, the true pose (x, y, heading) at each stamp, and the settings."""
+    """A taught map, the robot at the end of the lesson, the true pose (x, y, heading) at each stamp, the settings."""
 
     world: str
     seed: int

@@ -13,9 +13,10 @@ import networkx as nx
 import numpy as np
 
 from topomap.core.arrays import Float32Array, FloatArray, IntArray
-from topomap.core.geometry import Pose2, compose, wrap_all
+from topomap.core.geometry import Pose2, between, compose, wrap_all
 from topomap.core.recorded import RecordedRig
 from topomap.mapping.experience import Experience
+from topomap.mapping.odometry.gap import bridged
 from topomap.mapping.odometry.increments import Calibration, Increments, integrate, track
 from topomap.mapping.optimizer.problem import ClosureEdge, TurnEdge
 
@@ -111,6 +112,15 @@ class TopoMap:
                 delta, _, _ = integrate(self._increments[before, node], calibration)
                 self.poses[node] = compose(self.poses[before], delta)
 
+    def place(self, node: int, pose: Pose2) -> None:
+        """Move a node and all behind it on the chain as a whole, so that it lies at `pose`; before it is a gap then."""
+        k = self.chain.index(node)
+        before, rest = self.chain[k - 1], np.array(self.chain[k:])
+        moved = compose(pose.array(), between(self.poses[node], self.poses[rest]))
+        target = self.pose(before).to(pose)
+        self._increments[before, node] = bridged(self._increments[before, node], self.calibration, target)
+        self.poses[rest] = moved
+
     def shift(self, nodes: IntArray, poses: FloatArray) -> None:
         """Set the poses (n, 3) of some nodes (n,)."""
         self.poses[nodes] = poses
@@ -150,6 +160,20 @@ class TopoMap:
         said = [(int(stamp_ns), int(match), verdict, reason) for stamp_ns, match, verdict, reason in verdicts]
         digest.update(json.dumps([self.chain, edges, said]).encode())
         digest.update(np.ascontiguousarray(self.poses).tobytes())
+        return digest.hexdigest()
+
+    def topology_hash(self, verdicts: list[tuple[int, int, str]]) -> str:
+        """Return the SHA-256 of all but the numbers: nodes, views, edges and verdicts (stamp, match, verdict).
+
+        It is the same on every machine; poses may differ there in their last digits.
+        """
+        digest = hashlib.sha256()
+        for node in self.nodes:
+            digest.update(f"{int(node.stamp_ns)} ".encode())
+            digest.update(node.snapshot.encoded if node.snapshot else b"pose")
+        edges = [(int(c.i), int(c.j)) for c in self.closures]
+        said = [(int(stamp_ns), int(match), verdict) for stamp_ns, match, verdict in verdicts]
+        digest.update(json.dumps([self.chain, edges, said]).encode())
         return digest.hexdigest()
 
     def restore(

@@ -1,4 +1,4 @@
-"""When a milestone is reached: a low image difference, or its minimum reached; and when a goal is: the belief as well."""
+"""When a milestone is reached: a low image difference, or its minimum; and when a goal is: by the belief as well."""
 
 from __future__ import annotations
 

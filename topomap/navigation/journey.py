@@ -27,7 +27,8 @@ class Journey:
     """The state of one journey.
 
     last: place in the course of the milestone passed last, left_ns: when; unseen: milestones in a row that weren't seen
-    in passing; sought: steps near the goal; remedy: what is being tried, for `tried` steps; shut: places where nothing got through.
+    in passing; sought: steps near the goal; remedy: what is being tried, for `tried` steps; shut: places where
+    nothing got through.
     """
 
     goal: int

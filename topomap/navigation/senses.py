@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from topomap.core.arrays import Float32Array
 from topomap.core.panorama import Panorama
 from topomap.core.records import PlaceMatch, Where
@@ -40,6 +42,15 @@ class Senses:
     health: Health = SOUND
     ranges: Float32Array | None = None
     place: PlaceMatch | None = None
+
+    def trusted(self) -> Panorama:
+        """Return the panorama with those ranges only that can be relied on."""
+        seen = self.panorama
+        if seen.ranges is None or (
+            self.ranges is not None and np.array_equal(seen.ranges, self.ranges, equal_nan=True)
+        ):
+            return seen
+        return Panorama(seen.image, self.ranges, seen.rig)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
