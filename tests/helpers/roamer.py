@@ -1,4 +1,4 @@
-"""A robot without a simulator that travels on the square map: where it is and where it believes to be are one's to set."""
+"""A robot without a simulator on the square map: where it is and where it believes to be are one's to set."""
 
 from __future__ import annotations
 

@@ -15,9 +15,10 @@ from topomap.navigation.sense_check import FROZEN_STEPS, ODOMETRY_STEPS, RANGES_
 from topomap.navigation.senses import Senses
 
 READINGS = taught(30)
+AHEAD = Command(0.4)
 
 
-def checked(readings: list[SimReading], command: Command = Command(0.4)) -> list[Senses]:
+def checked(readings: list[SimReading], command: Command = AHEAD) -> list[Senses]:
     """What is told of readings, while the wheels were told the same all along."""
     check, out = SenseCheck(), []
     for reading in readings:

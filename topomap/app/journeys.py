@@ -11,7 +11,6 @@ import numpy as np
 
 from sim2d import worlds
 from sim2d.errors import WorldError
-from sim2d.records import SimReading
 from sim2d.robot import SimRobot
 from sim2d.streams import stream
 from topomap.app.config import RunConfig
@@ -22,6 +21,7 @@ from topomap.bench.journeys import Journey, Watched
 from topomap.core.arrays import FloatArray
 from topomap.core.errors import DataError
 from topomap.core.records import Phase, StepRecord
+from topomap.core.robot import Reading
 from topomap.mapping.mapper import Mapper
 from topomap.navigation import planner
 from topomap.navigation.runner import run
@@ -70,7 +70,7 @@ def teach(world: str, seed: int, looks: int, config: RunConfig) -> Taught:
 
         over = False
 
-        def observe(self, reading: SimReading, record: StepRecord) -> None:
+        def observe(self, reading: Reading, record: StepRecord) -> None:
             now = robot.truth()
             truth[reading.stamp_ns] = (now.x, now.y, now.heading)
             self.over = not reading.driven
