@@ -112,7 +112,7 @@ def travel(taught: Taught, goal: int, disturbance: Disturbance, rng: np.random.G
     target = taught.truth[topo.nodes[goal].stamp_ns]
     planned = _length(topo.poses, planner.route(taught.mapper.map, taught.mapper.map.chain[-1], goal))
     return watched.judged(
-        f"{taught.world} {taught.seed}/{taught.looks}", disturbance.kind, goal, navigator.phase is Phase.ARRIVED,
+        taught.world, disturbance.kind, goal, navigator.phase is Phase.ARRIVED,
         target[:2], planned,
     )  # fmt: skip
 

@@ -70,10 +70,9 @@ class Journey:
         self.plans += 1
         self.budget = self.steps + STEPS_MORE + round(STEPS_PER_M * self.course.length)
 
-    @property
-    def over_budget(self) -> bool:
-        """Whether it has taken longer than any way round can explain."""
-        return self.steps > self.budget or self.plans > PLANS
+    def over_budget(self, patience: int) -> bool:
+        """Whether it has taken longer than any way round can explain; patience: how slow the method is."""
+        return self.steps > self.budget * patience or self.plans > PLANS
 
     @property
     def last_leg(self) -> bool:

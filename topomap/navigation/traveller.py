@@ -104,7 +104,7 @@ class Traveller:
         if now.senses.health.stop:
             return self._stand(j, now)
         j.stood = 0
-        if j.over_budget:
+        if j.over_budget(self._homeward.patience):
             return self._fail(j, f"no arrival after {j.steps} steps and {j.plans} plans")
         back = self._back_off.step(now.senses.contact, now.mapper.track.raw, now.mapper.track.travel, self._forward)
         if back is not None:
