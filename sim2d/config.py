@@ -190,6 +190,7 @@ class OdometryFaultConfig(MomentConfig):
 class SimConfig(Section):
     """All of the simulator."""
 
+    textures: int = Field(0, ge=0, le=10**6, description="seed of the looks of a world's surfaces")
     camera: CameraConfig = Field(default_factory=CameraConfig, description="panoramic camera")
     laser: LaserConfig = Field(default_factory=LaserConfig, description="range scanner")
     odometer: OdometerConfig = Field(default_factory=OdometerConfig, description="odometer and its errors")

@@ -132,6 +132,15 @@ class SimRobot:
         if not self._driven and not self._stopped:
             self._wheels = (float(command.forward), float(command.turn))
 
+    def rest(self) -> None:
+        """Stop the wheels until the next command."""
+        if not self._driven:
+            self._wheels = (0.0, 0.0)
+
+    def put(self, x: float, y: float, heading: float) -> None:
+        """Set the robot down somewhere else [m, rad], which no wheel notices."""
+        self._body.put(x, y, heading)
+
     def stop(self) -> None:
         """Stop the wheels for good."""
         self._stopped = True

@@ -63,7 +63,7 @@ class RunResult:
 def open_world(name: str, seed: int, config: RunConfig) -> SimRobot:
     """Return the robot in a named world. Raises DataError for an unknown world."""
     try:
-        return SimRobot(worlds.load(name), config.sim, seed)
+        return SimRobot(worlds.load(name, config.sim.textures), config.sim, seed)
     except WorldError as error:
         raise DataError(str(error)) from error
 

@@ -146,3 +146,24 @@ def _table(title: str, headings: tuple[str, ...], rows: Sequence[tuple[str, ...]
     for row in rows:
         shown.add_row(*row)
     show_wide(shown)
+
+
+@benches.command()
+def journeys(
+    worlds: str = typer.Option("room-corridor", help="Worlds by name or file, comma-separated."),
+    seeds: str = typer.Option("0", help="Seeds of drift, noise and starts, e.g. 0-4."),
+    textures: str = typer.Option("0", help="Seeds of the worlds' looks, e.g. 0-2."),
+    kinds: str = typer.Option("none", help="'all' or what goes wrong, comma-separated, e.g. none,turned,carried."),
+    count: int = typer.Option(1, min=1, help="Journeys of each kind from every lesson."),
+    goal: int = typer.Option(0, min=0, help="Node to travel to from the lesson's end."),
+    settings: list[str] = typer.Option([], "--set", metavar="KEY=VALUE", help="Setting; may repeat."),
+    out: Path = typer.Option(OUT / "journeys", help="Folder for the JSON."),
+) -> None:
+    """Teach each world once and travel many times: homecomings, false arrivals, collisions, ways and speeds."""
+    from topomap.app import journey_bench as bench
+
+    asked = bench.request(worlds, seeds, textures, kinds, count, goal, settings)
+    with progress("journeys", asked.steps) as advance:
+        made = bench.travel_all(asked, advance)
+    _table("journeys", bench.HEADINGS, bench.rows(made))
+    console.print(str(bench.write(made, out)), soft_wrap=True)

@@ -15,6 +15,7 @@ import numpy as np
 from topomap.core.arrays import Float32Array, FloatArray, IntArray
 from topomap.core.geometry import Pose2, between, compose, wrap_all
 from topomap.core.recorded import RecordedRig
+from topomap.mapping.experience import Experience
 from topomap.mapping.odometry.gap import bridged
 from topomap.mapping.odometry.increments import Calibration, Increments, integrate, track
 from topomap.mapping.odometry.noise import AS_DECLARED, OdometerNoise
@@ -44,7 +45,7 @@ class TopoMap:
 
     Node ids count up in the order of creation; `chain` lists them in travel order (a pose node that was inserted
     later stands between its neighbours). noise: what its odometry's declared variances are taken times; weighings: how
-    often the measured turns were weighed anew. Only Mapper changes a map.
+    often the measured turns were weighed anew. Only Mapper changes a map, but for `experience`, which journeys write.
     """
 
     def __init__(self) -> None:
@@ -55,6 +56,7 @@ class TopoMap:
         self.calibration = Calibration()
         self.noise = AS_DECLARED
         self.weighings = 0
+        self.experience = Experience()
         self.graph: nx.Graph[int] = nx.Graph()
         self._poses = np.zeros((64, 3))
         self._increments: dict[tuple[int, int], Increments] = {}

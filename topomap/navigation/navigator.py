@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from topomap.core.panorama import Panorama
-from topomap.core.records import Command, Phase, StepRecord
+from topomap.core.records import Command, Goal, Phase, StepRecord, Travel, Where
 from topomap.core.robot import Reading
 from topomap.mapping.mapper import Mapper
 from topomap.navigation.localiser import Localiser
 from topomap.navigation.manoeuvres.active_check import ActiveCheck
 from topomap.navigation.manoeuvres.relocalise import LOST, Relocalise
 from topomap.navigation.mission import Mission
+from topomap.navigation.sense_check import SenseCheck
+from topomap.navigation.senses import Senses
 from topomap.navigation.stopwatch import Stopwatch
 from topomap.navigation.traveller import Traveller
 
@@ -32,6 +34,21 @@ class Navigator:
         self._traveller = traveller
         self._active = active
         self._relocalise = relocalise
+        self._sense_check = SenseCheck()
+
+    def take(self, mapper: Mapper) -> None:
+        """Go on with the map of another mapper."""
+        self.mapper = mapper
+
+    def _manoeuvre(self, senses: Senses, where: Where, goal: Goal) -> tuple[Command, Travel] | None:
+        """Return what a manoeuvre that has the wheels does, None where the journey has them; none drives blind."""
+        if senses.health.stop:
+            return None
+        seen = senses.trusted()
+        found = self._relocalise.step(seen, senses.contact, where, goal, self.mapper.track)
+        if found is not None or goal.phase is not Phase.TRAVEL:
+            return found
+        return self._active.step(seen, senses.contact, self.mapper)
 
     @property
     def over(self) -> bool:
@@ -53,14 +70,13 @@ class Navigator:
         where = self._localiser.update(panorama, self.mapper, change, reading.driven)
         goal = self._mission.goal(reading.driven, self.mapper.map)
         watch.lap("localise")
+        senses = self._sense_check.senses(reading, panorama, self.mapper.track.turn, change.place)
         self.mapper.lost = where.lost > LOST
-        checked = self._relocalise.step(panorama, reading.contact, where, goal, self.mapper.track)
-        if checked is None and goal.phase is Phase.TRAVEL:
-            checked = self._active.step(panorama, reading.contact, self.mapper)
+        checked = self._manoeuvre(senses, where, goal)
         if checked is not None:
             self._traveller.pause()
-        turn = self.mapper.track.turn
-        command, travel = checked or self._traveller.step(panorama, turn, where, goal, self.mapper)
+        command, travel = checked or self._traveller.step(senses, where, goal, self.mapper)
+        self._sense_check.commanded(command)
         self._mission.report(travel)
         watch.lap("travel")
         return command, StepRecord(
