@@ -45,9 +45,11 @@ def test_nothing_is_proposed_before_other_places_were_seen() -> None:
 
 
 @pytest.mark.parametrize(("share", "proposed"), [(0.7, False), (1.4, True)])
-def test_the_threshold_is_a_share_of_the_usual_difference(share: float, proposed: bool) -> None:
-    settings = RecognitionSettings(threshold=share)
-    recognition = Recognition(settings)
+def test_the_threshold_is_a_share_of_the_usual_difference(
+    share: float, proposed: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("topomap.mapping.places.recognition.THRESHOLD", share)
+    recognition = Recognition(RecognitionSettings())
     several = views(0.9, 26)
     for k, view in enumerate(several[:20]):
         recognition.update(k, float(k), view, np.zeros(0, np.int64))

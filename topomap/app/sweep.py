@@ -49,7 +49,7 @@ class RunTask:
         """Return all that decides the run: world, seed, settings, versions and code."""
         file = Path(self.world)
         content = file.read_text(encoding="utf8") if file.is_file() else self.world
-        return json.dumps([content, self.seed, self.config.resolved(), versions(), _code(), str(self.folder)])
+        return json.dumps([content, self.seed, self.config.resolved(), versions(), source_digest(), str(self.folder)])
 
     def perform(self) -> dict[str, Any]:
         """Drive, write the run's files, return its summary. Raises KeyboardInterrupt when it was stopped."""
@@ -104,7 +104,8 @@ def write_sweep(found: Sequence[SweptRun], out: Path) -> tuple[Path, ...]:
 
 
 @cache
-def _code() -> str:
+def source_digest() -> str:
+    """Return a digest of all code that decides a run."""
     return digest_files(
         Path(topomap.__file__).parents[1], ("topomap/**/*.py", "sim2d/**/*.py", "sim2d/**/*.toml", "logs/**/*.py")
     )
