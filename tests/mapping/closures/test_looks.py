@@ -37,7 +37,7 @@ def test_the_unit_of_the_cost_does_not_matter() -> None:
 
 
 def test_a_look_alike_world_makes_the_same_cost_worth_less() -> None:
-    assert log_ratio(WITH_RIVALS, 0.45, 0.8, 0.9) > 3.0
+    assert log_ratio(WITH_RIVALS, 0.45, 0.8, 0.9) > 2.9
     assert log_ratio(WITH_RIVALS, 0.45, 0.47, 0.55) < 0.0
 
 

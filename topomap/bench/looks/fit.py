@@ -66,7 +66,7 @@ def _true(rows: Sequence[Row]) -> BoolArray:
 def said(rows: Sequence[Row]) -> dict[str, object]:
     """Return all of it as plain values."""
     found = {name: {"error": one.error, "count": int(one.count.sum())} for name, one in curves(rows).items()}
-    number = {kind: sum(row.true is kind for row in rows) for kind in (True, False)}
+    number = {kind: sum(row.true == kind for row in rows) for kind in (True, False)}
     seeds = sorted({row.seed for row in rows})
     aligned = [abs(row.rotation) < 0.35 for row in rows if not row.true]
     return {
