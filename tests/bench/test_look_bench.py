@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -52,8 +53,8 @@ def test_every_world_counts_alike() -> None:
 def test_looks_that_say_too_much_show_in_the_curve() -> None:
     rows = drawn(Weights(0.0, 3.0, 0.0))
     share = np.mean([row.true for row in rows])
-    rows = [row._replace(looks=row.looks - np.log(share / (1 - share))) for row in rows]
-    boastful = [row._replace(looks=4 * row.looks) for row in rows]
+    rows = [replace(row, looks=row.looks - float(np.log(share / (1 - share)))) for row in rows]
+    boastful = [replace(row, looks=4 * row.looks) for row in rows]
     assert curves(rows)["all"].error < 0.03
     assert curves(boastful)["all"].error > 0.1
 
@@ -67,8 +68,11 @@ def test_a_small_drive_gives_curve_and_weights(tmp_path: Path) -> None:
     )
     assert len(tasks) == 2
     done: list[int] = []
-    rows = run_looks(tasks, Store(None), 1, done.append)
+    rows = run_looks(tasks, Store(tmp_path / "kept"), 1, done.append)
     assert done == [1, 2]
+    kept = Store(tmp_path / "kept")
+    assert run_looks(tasks, kept, 1, done.append) == rows
+    assert kept.hits == 2
     assert sum(row.true for row in rows) >= 3
     assert all(row.true == (row.distance <= 1.0 and abs(row.rotation) <= np.radians(20)) for row in rows)
     assert {row.looks for row in rows} == {log_ratio(WITH_RIVALS, row.cost, row.rival, row.usual) for row in rows}

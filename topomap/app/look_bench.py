@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import hashlib
 import itertools
 import json
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from sim2d.worlds import sources
 from topomap.app.config import RunConfig, load_config
 from topomap.app.runs import open_world
 from topomap.app.sweep import Variant, source_digest
+from topomap.app.wiring import versions
 from topomap.bench.looks.fit import curves, said
 from topomap.bench.looks.survey import Row, survey
 from topomap.bench.pool import Store, workers
@@ -35,9 +38,9 @@ class LookTask:
     @property
     def key(self) -> str:
         """All that decides the result."""
-        file = Path(self.world)
-        content = file.read_text(encoding="utf8") if file.is_file() else self.world
-        return json.dumps(["looks", content, self.seed, self.config.resolved(), source_digest()])
+        files = [hashlib.sha256(path.read_bytes()).hexdigest() for path in sources(self.world)]
+        name = Path(self.world).name
+        return json.dumps(["looks", name, files, self.seed, self.config.resolved(), versions(), source_digest()])
 
     def perform(self) -> list[Row]:
         """Drive the taught route and return what looked alike."""
@@ -66,7 +69,7 @@ def run_looks(tasks: Sequence[LookTask], store: Store, count: int, progress: Cal
     done = itertools.count(1)
     with workers(count, store) as hands:
         drives = hands.run(tasks, lambda: progress(next(done)))
-    rows = [Row(*row) for drive in drives for row in drive]
+    rows = [row for drive in drives for row in drive]
     if len({row.true for row in rows}) < 2:
         raise DataError("looks: need places seen again and places that only look alike, and these drives show one kind")
     return rows

@@ -42,7 +42,8 @@ class RunData:
     first_closure: panoramas (as recorded) some steps before and at the first accepted closure, and of its match;
     stage_ms: milliseconds (N,) by stage of the step, NaN where none was logged;
     milestones: the node ids of the planned route home; claimed: the robot said that it arrived; goal_node: where it was
-    sent.
+    sent; fault: what ended the run before its time; log_state, log_note: whether all that was written of it was there
+    to be read ("whole"), and what was not.
     """
 
     world: str
@@ -72,6 +73,10 @@ class RunData:
     milestones: tuple[int, ...] = ()
     replayed: bool = False
     graph_hash: str = ""
+    topology_hash: str = ""
+    fault: str = ""
+    log_state: str = "whole"
+    log_note: str = ""
     steps_per_s: float | None = None
     stage_ms: Mapping[str, FloatArray] = field(default_factory=dict)
     false_distance_m: float = 1.0

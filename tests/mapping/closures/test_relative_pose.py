@@ -14,7 +14,7 @@ from topomap.core.records import Alignment, HomeVector, PlaceMatch
 from topomap.core.rig import Rig
 from topomap.mapping.closures.appearance import Look
 from topomap.mapping.closures.relative_pose import RelativePoseEstimator, RelativePoseSettings
-from topomap.mapping.odometry.scan_match import MEASURED, ScanMatch, Surfaces
+from topomap.vision.matching.scan_match import MEASURED, ScanMatch, Surfaces
 
 TRUE = Pose2(0.3, 0.4, 0.5)  # half a metre away, one of the starts
 WHERE = "topomap.mapping.closures.relative_pose.match_scans"

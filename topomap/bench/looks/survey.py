@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import NamedTuple
+from dataclasses import dataclass
 
 from topomap.core.geometry import Pose2, wrap
 from topomap.core.panorama import Panorama
@@ -14,7 +14,8 @@ from topomap.mapping.look_survey import LookSurvey
 from topomap.vision.contracts import Aligner
 
 
-class Row(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class Row:
     """A likeness: world and seed; costs of the winner, of the best rival and usual elsewhere; what looks says (a log
     likelihood ratio); distance [m] and rotation [rad] by which it misses, and whether it is true.
     """

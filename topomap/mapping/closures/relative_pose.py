@@ -12,8 +12,8 @@ from topomap.core.arrays import Float32Array, FloatArray
 from topomap.core.geometry import Pose2, wrap
 from topomap.core.panorama import Panorama
 from topomap.mapping.closures.appearance import Look
-from topomap.mapping.odometry.scan_match import MEASURED, SEEN, ScanMatch, Surfaces, match_scans
 from topomap.vision.image.ground_line import ground_ranges
+from topomap.vision.matching.scan_match import MEASURED, SEEN, ScanMatch, Surfaces, match_scans
 
 SCAN_FLOOR = (0.03, 0.5)
 """[m, degree] Least error of a position and a rotation measured by ranges: what a scan's own covariance leaves out."""
