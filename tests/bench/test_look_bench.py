@@ -24,7 +24,7 @@ def drawn(weights: Weights, number: int = 4000, world: str = "made up") -> list[
     rng = np.random.default_rng(0)
     rows = []
     for cost, rival, usual in rng.uniform([0.3, 0.5, 0.5], [0.9, 1.0, 1.2], (number, 3)).tolist():
-        said = log_ratio(weights, cost, rival, usual)
+        said = float(weights.none + weights.rival * np.log(rival / cost) + weights.usual * np.log(usual / cost))
         true = rng.uniform() < 1 / (1 + np.exp(-said))
         rows.append(Row(world, 0, cost, rival, usual, said, 0.0, 0.0, bool(true)))
     return rows

@@ -129,7 +129,7 @@ class AtPlace:
 
     Among places within reach a false claim fits odometry as well as a true one. What odometry then tells is how much
     there is besides: the probability that it leaves for the spot and 0.75 m about it, against all the rest. The heading
-    isn't counted, as false matches are turned right in 2 of 3 cases (bench looks): walls are alike along corridors.
+    isn't counted, as false matches are turned right in 7 of 10 cases (bench looks): walls are alike along corridors.
     """
 
     name: str = "at place"

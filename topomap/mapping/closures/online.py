@@ -35,7 +35,7 @@ from topomap.mapping.uncertainty.reachability import Reachability
 from topomap.vision.contracts import Aligner
 
 REACH = 0.99  # probability that the true place is among those compared
-GATE = 0.95  # share of true closures that odometry lets pass: of false ones near a place it stops more than 0.99 does
+GATE = 0.95  # share of true closures that odometry lets pass
 ALONE = 1.2  # [m] where odometry knows the place better than this, it leaves no other
 
 

@@ -20,7 +20,7 @@ SCAN_FLOOR = (0.03, 0.5)
 SEEN_FLOOR = (0.1, 2.0)
 """[m, degree] The same by the ground line, whose distances are biased by 4 to 5 %."""
 HEADING_SIGMA = 4.0
-"""[degree] Error of the rotation by sight: of true revisits up to 0.3 m aside 95 % err by 0.8 at most."""
+"""[degree] Error of the rotation by sight: of 791 true revisits, to 0.3 m aside, 95 % err by at most 1.3."""
 STARTS = (0.0, 0.25, 0.5)
 """[m] Distances along the home vector at which ranges begin to search: up to 0.8 m is the same spot."""
 

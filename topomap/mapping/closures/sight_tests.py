@@ -15,8 +15,8 @@ from topomap.mapping.closures.claims import Claims
 from topomap.mapping.closures.closure_tests import ClosureTest, Knowledge
 from topomap.mapping.closures.seen import Seen
 
-MOST_COST = 0.8  # alignment cost: 1 for views that share nothing; of true revisits 99 in 100 cost less
-MOST_RATIO = 0.9  # to the best rival's cost: at most so many, a false one is as likely as a true one (looks.py)
+MOST_COST = 0.8  # alignment cost: 1 for views that share nothing; all of 791 true revisits cost less
+MOST_RATIO = 0.9  # to the best rival's cost; of 3168 false ones 8 in 10 are above, of 791 true ones 2 in 10
 MOST_APART = 0.8  # [m] places measured farther apart are two: the false begin at 1 m, ranges err by 0.1 m
 TIMES_USUAL = 2.0  # what is at the place costs at most so many times what places seen again usually do
 UNMEASURED = 0.25  # [m] error of a position from which on nothing has measured it
