@@ -15,6 +15,7 @@ import numpy as np
 from topomap.core.arrays import Float32Array, FloatArray, IntArray
 from topomap.core.geometry import Pose2, compose, wrap_all
 from topomap.core.recorded import RecordedRig
+from topomap.mapping.experience import Experience
 from topomap.mapping.odometry.increments import Calibration, Increments, integrate, track
 from topomap.mapping.optimizer.problem import ClosureEdge, TurnEdge
 
@@ -44,7 +45,8 @@ class TopoMap:
     """Nodes, their poses, odometry edges along the travelled chain, closures, and turns measured between snapshots.
 
     Nodes are counted in the order of creation; `chain` lists them in travel order (a pose node that was inserted
-    later stands between its neighbours). Only Mapper changes a map.
+    later stands between its neighbours). Only Mapper changes a map, but for `experience`,
+    which journeys write.
 
     names: each node's number for people, which stays when others are taken out; places: a name given to a node's
     number; jumps: nodes that can't be driven to from the one before them on the chain, as another drive begins there,
@@ -61,6 +63,7 @@ class TopoMap:
         self.closures: list[ClosureEdge] = []
         self.turns: list[TurnEdge] = []
         self.calibration = Calibration()
+        self.experience = Experience()
         self.graph: nx.Graph[int] = nx.Graph()
         self._next_name = 0
         self._poses = np.zeros((64, 3))
@@ -132,9 +135,10 @@ class TopoMap:
 
     def end_before(self, stamp_ns: int) -> None:
         """Set all stamps back, as one, so far that another drive can begin at a stamp [ns]; nothing if it can."""
-        back = self.nodes[self.chain[-1]].stamp_ns + BETWEEN_DRIVES_NS - stamp_ns
-        if self.nodes[self.chain[-1]].stamp_ns < stamp_ns:
+        last = self.nodes[self.chain[-1]].stamp_ns
+        if last < stamp_ns:
             return
+        back = last + BETWEEN_DRIVES_NS - stamp_ns
         self.nodes = [replace(node, stamp_ns=node.stamp_ns - back) for node in self.nodes]
         for ends, own in self._increments.items():
             self._increments[ends] = replace(own, stamps_ns=own.stamps_ns - back)

@@ -23,7 +23,7 @@ LEVEL = 6
 # that, but not for so much that a small one fills the memory.
 ROOM, TIMES = 64_000_000, 8
 DAMAGED = (zipfile.BadZipFile, zlib.error, struct.error, tokenize.TokenError, EOFError, NotImplementedError,
-           RuntimeError, ValueError, TypeError, KeyError, IndexError, OverflowError, SyntaxError)  # fmt: skip
+           RuntimeError, ValueError, TypeError, KeyError, IndexError, OverflowError, AttributeError, SyntaxError)  # fmt: skip
 """What zipfile, NumPy and JSON raise for files that aren't what they say."""
 
 
@@ -53,6 +53,8 @@ class Archive:
         if unpacked > ROOM + TIMES * size:
             raise ValueError(f"{size} bytes that would unpack to {unpacked}")
         self._members = {member.filename.removesuffix(".npy"): member for member in members}
+        if any(member.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED) for member in members):
+            raise ValueError("arrays packed in a way that no map is")
         if len(self._members) < len(members):
             raise ValueError("an array is there twice")
 

@@ -66,7 +66,7 @@ def check_arrays(arrays: dict[str, Array], meta: dict[str, Any]) -> None:
         _must(len(arrays[name]) == count, f"{name} for {count} nodes")
     _must(len(meta["rig_of"]) == count, f"rig_of for {count} nodes")
     for name in ("travel", "poses", "deltas", "covariances", "closure_relative", "closure_covariance",
-                 "closure_weight", "turns"):  # fmt: skip
+                 "closure_weight", "turns", "experience_seconds"):  # fmt: skip
         _must(bool(np.isfinite(arrays[name]).all()), f"numbers in {name}")
     _must(bool((np.abs(arrays["poses"]) < FARTHEST).all()), "poses on this planet")
     _must(bool((np.abs(arrays["deltas"]) < FARTHEST).all()), "odometry on this planet")
@@ -130,7 +130,12 @@ def _check_edges(arrays: dict[str, Array], count: int) -> None:
     for name in ("closure_relative", "closure_covariance", "closure_weight"):
         _must(len(arrays[name]) == len(ends) <= MOST, f"{len(ends)} closures in {name}")
     _must(len(arrays["turns"]) == len(turns) <= MOST, f"{len(turns)} turns")
-    for pairs, name in ((ends, "closures"), (turns, "turns")):
+    known = arrays["experience_ends"]
+    for name in ("experience_counts", "experience_seconds"):
+        _must(len(arrays[name]) == len(known) <= 2 * MOST, f"{len(known)} rows in {name}")
+    _must(bool((arrays["experience_counts"][:, :2] >= 0).all()), "passages that are counted")
+    _must(bool((arrays["experience_seconds"] >= 0).all()), "passages that take time")
+    for pairs, name in ((ends, "closures"), (turns, "turns"), (known, "experience")):
         _must(bool(((pairs >= 0) & (pairs < count)).all()), f"{name} between nodes that there are")
         _must(bool((pairs[:, 0] != pairs[:, 1]).all()), f"{name} between two nodes")
     _must(bool((arrays["closure_weight"] > 0).all() and (arrays["closure_weight"] <= 1).all()), "weights up to 1")

@@ -14,6 +14,7 @@ import numpy as np
 from topomap.core.errors import DataError
 from topomap.core.geometry import Pose2
 from topomap.core.recorded import RecordedRig
+from topomap.mapping.experience import EdgeExperience, Experience
 from topomap.mapping.graph import Node, Snapshot, TopoMap
 from topomap.mapping.mapfile.archive import DAMAGED, Archive, Array
 from topomap.mapping.mapfile.checks import check_arrays, check_meta, check_views
@@ -42,6 +43,9 @@ ARRAYS: tuple[tuple[str, str, tuple[int, ...], int], ...] = (
     ("closure_weight", "<f8", (), 1),
     ("turn_ends", "<i8", (2,), 2),
     ("turns", "<f8", (2,), 2),
+    ("experience_ends", "<i8", (2,), 3),
+    ("experience_counts", "<i8", (3,), 3),
+    ("experience_seconds", "<f8", (), 3),
 )
 """Name, type, columns, and the first format that has it."""
 
@@ -89,6 +93,7 @@ def _load(file: IO[bytes]) -> TopoMap:
     check_views(nodes)
     _restore(topo, nodes, arrays)
     topo.places = dict(meta.get("places", {}))
+    topo.experience = Experience(_experience(arrays))
     return topo
 
 
@@ -109,6 +114,8 @@ def _arrays(archive: Archive, number: int) -> dict[str, Array]:
     if number < 3:
         arrays["names"], arrays["jumps"] = np.arange(count), np.zeros(count, bool)
         arrays["ranges"] = archive.read("ranges", "<f4", (0,)).reshape(-1)
+        arrays |= {"experience_ends": np.zeros((0, 2), np.int64), "experience_counts": np.zeros((0, 3), np.int64)}
+        arrays["experience_seconds"] = np.zeros(0)
     else:
         arrays["ranges"] = archive.read("ranges", "<f4")
     if number < 2:
@@ -153,3 +160,9 @@ def _closures(arrays: dict[str, Array]) -> list[ClosureEdge]:
 def _turns(arrays: dict[str, Array]) -> list[TurnEdge]:
     rows = zip(arrays["turn_ends"].tolist(), arrays["turns"].tolist(), strict=True)
     return [TurnEdge(i, j, turn, sigma) for (i, j), (turn, sigma) in rows]
+
+
+def _experience(arrays: dict[str, Array]) -> Iterator[EdgeExperience]:
+    parts = (arrays["experience_counts"].tolist(), arrays["experience_seconds"].tolist())
+    for (a, b), (passed, failed, failed_ns), seconds in zip(arrays["experience_ends"].tolist(), *parts, strict=True):
+        yield EdgeExperience(a, b, passed, failed, seconds, failed_ns)

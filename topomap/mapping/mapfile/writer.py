@@ -78,6 +78,11 @@ def _arrays(topo: TopoMap) -> dict[str, Array]:
         "closure_weight": np.array([c.weight for c in topo.closures], float),
         "turn_ends": np.array([(t.i, t.j) for t in topo.turns], np.int64).reshape(-1, 2),
         "turns": np.array([(t.turn, t.sigma) for t in topo.turns], float).reshape(-1, 2),
+        "experience_ends": np.array([(e.a, e.b) for e in topo.experience], np.int64).reshape(-1, 2),
+        "experience_counts": np.array([(e.passed, e.failed, e.failed_ns) for e in topo.experience], np.int64).reshape(
+            -1, 3
+        ),
+        "experience_seconds": np.array([e.seconds for e in topo.experience], float),
     }
 
 
