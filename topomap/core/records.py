@@ -166,13 +166,30 @@ class MapChange:
 
 
 @dataclass(frozen=True, slots=True)
+class Hypothesis:
+    """A place where the robot may be: the nearest snapshot node, the pose in the map frame, its probability."""
+
+    node: int
+    pose: Pose2
+    weight: float
+
+
+@dataclass(frozen=True, slots=True)
 class Where:
-    """Where the robot believes it is: map pose, nearest node by what it sees, difference to it, P(lost)."""
+    """Where the robot believes it is.
+
+    pose, node: the likeliest pose and the snapshot node nearest to it (None: the map holds none); difference: of the
+    view to that node's, or to the last snapshot's where it wasn't compared; lost: the probability in [0, 1] that the
+    robot is not at `pose`; rivals: the other places where it may be, the likeliest first; event: what was noticed in
+    this step, in plain words ("" for nothing).
+    """
 
     pose: Pose2
     node: int | None
     difference: float
     lost: float
+    rivals: tuple[Hypothesis, ...] = ()
+    event: str = ""
 
 
 class Phase(StrEnum):

@@ -8,6 +8,7 @@ import numpy as np
 
 from topomap.core.records import MapChange, Where
 from topomap.mapping.mapper import Mapper
+from topomap.navigation.localiser.start import HERE, Start
 
 
 class Localiser:
@@ -17,7 +18,9 @@ class Localiser:
     searched; a view like no other place while the map says that one is near means lost.
     """
 
-    def __init__(self, familiar: float = 0.9, softness: float = 0.08) -> None:
+    def __init__(self, start: Start = HERE, familiar: float = 0.9, softness: float = 0.08) -> None:
+        """start: where the belief begins; on a fresh map there is but one place."""
+        self._start = start
         self._familiar = familiar
         self._softness = softness
 
