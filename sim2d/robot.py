@@ -15,6 +15,7 @@ from sim2d.laser import Laser
 from sim2d.odometer import Odometer, joined
 from sim2d.path import of_route
 from sim2d.records import EPOCH_NS, CameraRig, OdometerReading, SimReading, SimTruth, TrueCalibration
+from sim2d.start import start_pose
 from sim2d.streams import stream
 from sim2d.world import World
 
@@ -45,7 +46,8 @@ class SimRobot:
         )
         path = self._driver.path
         world.add_people(crowd(path, config.people, stream(seed, "people")))
-        self._body = Body(world, config.body, *path.at(0.0), path.heading(0.0))
+        self._body = Body(world, config.body, *start_pose(world, path, config.start))
+        self._driver.progress = config.start.along or 0.0
         self._camera = Camera(config.camera, stream(seed, "image noise"))
         self._missing = stream(seed, "missing frames")
         self._laser = Laser(config.laser, stream(seed, "range noise"))
@@ -53,7 +55,7 @@ class SimRobot:
         self._odometer = Odometer(config.odometer, *streams)
         self._events = Events(world, config, self._body, self._driver, self._camera)
         self._wheels = (0.0, 0.0)
-        self._driven = True
+        self._driven = config.driver.teaches
         self._stopped = False
         self._steps = -1
 
@@ -75,6 +77,8 @@ class SimRobot:
     @property
     def expected_steps(self) -> int:
         """About how many readings the taught route takes."""
+        if not self._config.driver.teaches:
+            return 1
         return math.ceil(self.route_length_m / (self._config.body.max_speed * self._config.body.step)) + 3
 
     def sense(self) -> SimReading | None:

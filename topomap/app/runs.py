@@ -9,6 +9,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from logs.errors import LogError
 from logs.header import Header
 from logs.recorder import Recorder
@@ -19,6 +21,7 @@ from sim2d.robot import SimRobot
 from topomap.app.config import RunConfig
 from topomap.app.folder import RunFolder
 from topomap.app.interrupt import stop_on_signal
+from topomap.app.saved_map import MAP, SavedMap, truth_file
 from topomap.app.stored_config import parse_stored
 from topomap.app.warm_up import warm_up
 from topomap.app.wiring import build_navigator, versions
@@ -26,7 +29,8 @@ from topomap.core.errors import DataError
 from topomap.core.records import Phase, StepRecord
 from topomap.core.robot import Reading, Robot, TruthSource
 from topomap.core.run_data import RunData, TrueCalibration
-from topomap.evaluation.summary import summarise, write_summary
+from topomap.evaluation.summary import summarise, write_summary, write_whole
+from topomap.evaluation.trajectory import true_pose
 from topomap.mapping.graph import TopoMap
 from topomap.mapping.mapfile import save_map
 from topomap.navigation.navigator import Navigator
@@ -34,6 +38,7 @@ from topomap.navigation.runner import run
 from topomap.recording.encode import run_header
 from topomap.recording.recorder import FinalMap, MapNow, RunRecorder
 from topomap.recording.run_reader import load_run
+from topomap.recording.true_nodes import ATTACHMENT, Truths, truths_text
 from topomap.report.report import write_report
 
 Progress = Callable[[int], None]
@@ -41,13 +46,16 @@ Progress = Callable[[int], None]
 
 @dataclass(frozen=True)
 class RunResult:
-    """A finished run: its folder, its summary, whether it was interrupted, the files it wrote, and notes for people."""
+    """A finished run: its folder, its summary, whether it was interrupted, the files it wrote, notes for people, and
+    why its mission couldn't be, if it couldn't.
+    """
 
     folder: RunFolder
     summary: dict[str, Any]
     interrupted: bool
     files: tuple[Path, ...]
     notes: tuple[str, ...] = ()
+    failure: str = ""
 
 
 def open_world(name: str, seed: int, config: RunConfig) -> SimRobot:
@@ -58,8 +66,18 @@ def open_world(name: str, seed: int, config: RunConfig) -> SimRobot:
         raise DataError(str(error)) from error
 
 
-def run_world(robot: SimRobot, seed: int, config: RunConfig, folder: RunFolder, progress: Progress) -> RunResult:
-    """Drive, map, close loops and go home in a simulated world; write log, map, summary and report."""
+def run_world(
+    robot: SimRobot,
+    seed: int,
+    config: RunConfig,
+    folder: RunFolder,
+    progress: Progress,
+    saved: SavedMap | None = None,
+) -> RunResult:
+    """Drive, map, close loops and travel in a simulated world; write log, map, summary and report.
+
+    saved: a map to go on with.
+    """
     known = robot.true_calibration
     header = run_header(
         robot.world.name,
@@ -71,13 +89,14 @@ def run_world(robot: SimRobot, seed: int, config: RunConfig, folder: RunFolder, 
         TrueCalibration(known.rotation_scale, known.distance_scale, known.curvature),
         robot.world.plan(),
     )
-    return execute(robot, robot, header, config, folder, progress)
+    return execute(robot, robot, header, config, folder, progress, saved)
 
 
 def replay_log(stored: StoredRun, folder: RunFolder, progress: Progress) -> RunResult:
     """Take a log's readings through the stack again and write what a run writes; journeys are then not made anew."""
     robot = stored.robot
-    result = execute(robot, robot, replace(robot.header, replayed=True), stored.config, folder, progress)
+    header = replace(robot.header, replayed=True)
+    result = execute(robot, robot, header, stored.config, folder, progress, stored.saved)
     return replace(result, notes=stored.notes)
 
 
@@ -108,16 +127,25 @@ class _Watch:
 
 
 def execute(
-    robot: Robot, truth: TruthSource | None, header: Header, config: RunConfig, folder: RunFolder, progress: Progress
+    robot: Robot,
+    truth: TruthSource | None,
+    header: Header,
+    config: RunConfig,
+    folder: RunFolder,
+    progress: Progress,
+    saved: SavedMap | None = None,
 ) -> RunResult:
     """Run with a log that is closed whatever happens, then write map, summary and report. Raises DataError.
 
-    truth: goes into the log, where there is one; the stack never sees it.
+    truth: goes into the log, where there is one; the stack never sees it; saved: a map to go on with.
     """
     warm_up(config.stack)
-    navigator = build_navigator(config.stack)
+    attachments = tuple(saved.attachments()) if saved else ()
+    navigator = build_navigator(config.stack, saved=saved)
     try:
         with Recorder.of(folder.log, header, config.log) as recorder, stop_on_signal() as stopped:
+            for attachment in attachments:
+                recorder.attach(*attachment)
             watch = _Watch(RunRecorder(recorder, lambda: map_now(navigator.mapper.map), truth), progress)
             began = time.perf_counter()
             run(robot, navigator, (watch,), stopped)
@@ -125,7 +153,23 @@ def execute(
             interrupted = stopped()
     except LogError as error:
         raise DataError(str(error)) from error
-    return conclude(load_run(folder.log), folder, interrupted)
+    data = load_run(folder.log)
+    _write_truths(data, navigator.mapper.map, saved.truths if saved else {}, folder)
+    return replace(conclude(data, folder, interrupted), failure=navigator.failure)
+
+
+def _write_truths(data: RunData, topo: TopoMap, known: Truths, folder: RunFolder) -> None:
+    """Write the true poses of the map's nodes beside it, where they are known: for metrics of later runs on it."""
+    if data.truth is None:
+        return
+    own = dict(known)
+    for node in data.nodes:
+        pose = true_pose(data, node.stamp_ns)
+        if np.isfinite(pose).all():
+            x, y, heading = pose.tolist()
+            own[topo.names[node.node]] = x, y, heading
+    if own:
+        write_whole(truth_file(folder.map), truths_text(own))
 
 
 def _finish(navigator: Navigator, watch: _Watch, seconds: float, folder: RunFolder) -> None:
@@ -142,7 +186,7 @@ def _finish(navigator: Navigator, watch: _Watch, seconds: float, folder: RunFold
 def _final_map(navigator: Navigator, last: StepRecord, steps_per_s: float) -> FinalMap:
     mapper = navigator.mapper
     topo = mapper.map
-    stamps, poses = topo.trajectory()
+    stamps, poses = topo.trajectory(mapper.first)
     travel = last.travel.phase
     asked = last.goal.phase is Phase.TRAVEL
     return FinalMap(
@@ -174,6 +218,7 @@ class StoredRun:
     robot: ReplayRobot
     config: RunConfig
     notes: tuple[str, ...]
+    saved: SavedMap | None = None
 
 
 def open_log(path: Path, settings: Iterable[str] = ()) -> StoredRun:
@@ -185,9 +230,11 @@ def open_log(path: Path, settings: Iterable[str] = ()) -> StoredRun:
         robot = ReplayRobot(path)
         stored = json.loads(robot.header.config)
         config, notes = parse_stored(stored, f"{path}: its stored configuration", settings)
+        begun = robot.attachment(MAP)
+        saved = SavedMap.of(begun, config.stack.mission, robot.attachment(ATTACHMENT)) if begun else None
     except LogError as error:
         raise DataError(str(error)) from error
-    return StoredRun(robot, config, notes)
+    return StoredRun(robot, config, notes, saved)
 
 
 def report_log(path: Path, out: Path) -> RunResult:

@@ -41,6 +41,7 @@ class RunData:
     threshold: for a new snapshot; decisions: every verdict in time order (a candidate may get several);
     first_closure: panoramas (as recorded) some steps before and at the first accepted closure, and of its match;
     stage_ms: milliseconds (N,) by stage of the step, NaN where none was logged;
+    earlier: true poses (3,) of nodes that the run's map had before it, by stamp;
     milestones: the node ids of the planned route home; claimed: the robot said that it arrived; goal_node: where it was
     sent.
     """
@@ -74,5 +75,6 @@ class RunData:
     graph_hash: str = ""
     steps_per_s: float | None = None
     stage_ms: Mapping[str, FloatArray] = field(default_factory=dict)
+    earlier: Mapping[int, FloatArray] = field(default_factory=dict)
     false_distance_m: float = 1.0
     gross_distance_m: float = 5.0

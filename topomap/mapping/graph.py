@@ -16,7 +16,7 @@ from topomap.core.arrays import Float32Array, FloatArray, IntArray
 from topomap.core.geometry import Pose2, compose, wrap_all
 from topomap.core.recorded import RecordedRig
 from topomap.mapping.experience import Experience
-from topomap.mapping.odometry.increments import Calibration, Increments, integrate, track
+from topomap.mapping.odometry.increments import Calibration, Increments, integrate, leading, track
 from topomap.mapping.optimizer.problem import ClosureEdge, TurnEdge
 
 BETWEEN_DRIVES_NS = 3_600_000_000_000
@@ -146,6 +146,16 @@ class TopoMap:
     def node_named(self, name: int) -> int | None:
         """Return the node of a number for people, None where the map has none of that number."""
         return self.names.index(name) if name in self.names else None
+
+    def hang(self, first: int, pose: Pose2) -> None:
+        """Move a drive as a whole: its first node, a jump, to a pose, and all that come after it on the chain."""
+        place = self.chain.index(first)
+        before, after = self.chain[place - 1], self.chain[place:]
+        moved = pose @ self.pose(first).inverse()
+        self.poses[after] = compose(moved.array(), self.poses[after])
+        gap = self._increments[before, first]
+        deltas = leading(self.pose(before).to(pose), self.calibration)[None]
+        self._increments[before, first] = replace(gap, deltas=deltas)
 
     def odometry_edges(self) -> Iterator[tuple[int, int, Increments]]:
         """Yield (a, b, increments) along the chain."""

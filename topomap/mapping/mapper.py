@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from pydantic import BaseModel, Field
 
+from topomap.core.geometry import Pose2
 from topomap.core.panorama import Panorama
 from topomap.core.recorded import RecordedRig
-from topomap.core.records import Candidate, Decision, MapChange, NodeAdded, PlaceMatch
+from topomap.core.records import Candidate, Decision, MapChange, NodeAdded, PlaceMatch, Verdict
 from topomap.core.robot import Reading
 from topomap.mapping.closures.closure_tests import ClosureTest
 from topomap.mapping.closures.ledger import Ledger
@@ -18,6 +20,7 @@ from topomap.mapping.optimisation import Optimisation, OptimisationSettings
 from topomap.mapping.places.recognition import Recognition, RecognitionSettings
 from topomap.mapping.places.snapshots import SnapshotSettings, View, make_rule
 from topomap.mapping.places.view_cache import ViewCache
+from topomap.mapping.sessions.drive_start import DriveStart
 from topomap.mapping.track import Track
 from topomap.vision.choice import AlignerChoice
 from topomap.vision.contracts import Aligner
@@ -37,9 +40,15 @@ class MapperSettings(BaseModel, frozen=True, extra="forbid"):
 class Mapper:
     """Surveys the route, keeps snapshots, recognises places, closes loops and applies solutions."""
 
-    def __init__(self, settings: MapperSettings, aligner: Aligner, tests: Sequence[ClosureTest] = ()) -> None:
-        """tests: of closures, a user's own, asked before odometry is."""
-        self.map = TopoMap()
+    def __init__(
+        self,
+        settings: MapperSettings,
+        aligner: Aligner,
+        tests: Sequence[ClosureTest] = (),
+        resumed: DriveStart | None = None,
+    ) -> None:
+        """tests: of closures, a user's own, asked before odometry is; resumed: a map to go on with, and where."""
+        self.map = resumed.map if resumed else TopoMap()
         self.view_cache = ViewCache(self.map)
         self.ledger = Ledger()
         self.track = Track(self.map)
@@ -53,13 +62,25 @@ class Mapper:
         self._previous: Panorama | None = None
         self._last_snapshot = -1
         self._kept_at = 0.0
+        self._resumed = resumed
+        self.first = 0
+        if resumed:
+            self._recall()
+
+    def _recall(self) -> None:
+        """Make what the loaded map holds findable and believed."""
+        self.optimisation.resume()
+        for node in self.map.chain:
+            if self.map.nodes[node].snapshot is not None:
+                self._recognition.recall(node, self.map.nodes[node].travel, self.view_cache.panorama(node))
 
     def update(self, reading: Reading, panorama: Panorama) -> MapChange:
         """Take one reading: extend the track, keep or not, search, test closures, solve; return what changed."""
-        self.track.advance(reading.stamp_ns, reading.motion)
+        self._move(reading)
         difference = self._difference(panorama)
         added = self._keep(reading, panorama, difference)
         place, decisions = self._recognise(reading.stamp_ns, panorama)
+        self._join(decisions)
         solved, reviewed = self._correct(reading.stamp_ns)
         self._previous = panorama
         return MapChange(
@@ -72,6 +93,14 @@ class Mapper:
             solved,
             self.optimisation.state if solved else None,
         )
+
+    def _move(self, reading: Reading) -> None:
+        """Extend the track; the first reading on a loaded map begins another drive."""
+        if self._resumed and self._previous is None:
+            start = self._resumed
+            self.track.begin_drive(reading.stamp_ns, start.pose, start.covariance, self._recognition.far)
+        else:
+            self.track.advance(reading.stamp_ns, reading.motion)
 
     def testify(self, candidate: Candidate, agrees: bool, reason: str) -> None:
         """Take what an active check saw of a pending closure; its verdict comes with the next step."""
@@ -102,6 +131,8 @@ class Mapper:
         taught = reading.driven or not self.map.nodes
         snapshot = Snapshot(reading.encoded, reading.ranges, RecordedRig.of(reading.rig)) if taught else None
         node = self.track.node_at(reading.stamp_ns, snapshot)
+        if self._previous is None:
+            self.first = node
         if taught:
             self._remember(node, panorama)
         return (NodeAdded(node, reading.stamp_ns, self.map.pose(node), taught, reason),)
@@ -128,6 +159,24 @@ class Mapper:
         reachable = self._closing.within_reach(self._recognition.old_nodes(travel))
         place = self._recognition.update(stamp_ns, travel, panorama, reachable)
         return place, self._closing.judge(stamp_ns, self._recognition.proposal())
+
+    def _join(self, decisions: tuple[Decision, ...]) -> None:
+        """Hang a drive that could begin anywhere where its first closures say."""
+        if not self._resumed or not self._resumed.anywhere:
+            return
+        for decision in decisions:
+            closure = decision.candidate
+            if decision.verdict is Verdict.ACCEPTED and closure.query is not None and closure.match < self.first:
+                there = self.map.pose(closure.match) @ closure.relative
+                self.hang(there @ self.map.pose(closure.query).inverse() @ self.map.pose(self.first))
+                return
+
+    def hang(self, pose: Pose2) -> None:
+        """Let this drive have begun at a pose, and be no longer one that could begin anywhere; needs a loaded map."""
+        assert self._resumed
+        self._resumed = replace(self._resumed, anywhere=False)
+        self.map.hang(self.first, pose)
+        self.track.restart()
 
     def _correct(self, stamp_ns: int) -> tuple[bool, list[Decision]]:
         solved, reviewed = self.optimisation.update(stamp_ns, self.ledger)

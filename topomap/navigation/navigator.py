@@ -35,6 +35,11 @@ class Navigator:
         """What the robot is doing, or how the mission ended."""
         return self._mission.phase
 
+    @property
+    def failure(self) -> str:
+        """Why the mission couldn't be, in one line, or ""."""
+        return self._mission.failure
+
     def step(self, reading: Reading) -> tuple[Command, StepRecord]:
         """Take one reading through all stages; return the command and the record of the step."""
         watch = Stopwatch()

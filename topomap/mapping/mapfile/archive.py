@@ -23,7 +23,8 @@ LEVEL = 6
 # that, but not for so much that a small one fills the memory.
 ROOM, TIMES = 64_000_000, 8
 DAMAGED = (zipfile.BadZipFile, zlib.error, struct.error, tokenize.TokenError, EOFError, NotImplementedError,
-           RuntimeError, ValueError, TypeError, KeyError, IndexError, OverflowError, AttributeError, SyntaxError)  # fmt: skip
+           RuntimeError, ValueError, TypeError, KeyError, IndexError, OverflowError,
+           AttributeError, SyntaxError)  # fmt: skip
 """What zipfile, NumPy and JSON raise for files that aren't what they say."""
 
 
