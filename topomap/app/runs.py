@@ -21,7 +21,7 @@ from sim2d.robot import SimRobot
 from topomap.app.config import RunConfig
 from topomap.app.folder import RunFolder
 from topomap.app.interrupt import stop_on_signal
-from topomap.app.saved_map import MAP, SavedMap, truth_file
+from topomap.app.saved_map import MAP, SavedMap
 from topomap.app.stored_config import parse_stored
 from topomap.app.warm_up import warm_up
 from topomap.app.wiring import build_navigator, versions
@@ -33,12 +33,13 @@ from topomap.evaluation.summary import summarise, write_summary, write_whole
 from topomap.evaluation.trajectory import true_pose
 from topomap.mapping.graph import TopoMap
 from topomap.mapping.mapfile import save_map
+from topomap.mapping.sessions.condense import condense
 from topomap.navigation.navigator import Navigator
 from topomap.navigation.runner import run
 from topomap.recording.encode import run_header
 from topomap.recording.recorder import FinalMap, MapNow, RunRecorder
 from topomap.recording.run_reader import load_run
-from topomap.recording.true_nodes import ATTACHMENT, Truths, truths_text
+from topomap.recording.true_nodes import ATTACHMENT, Truths, truth_file, truths_text
 from topomap.report.report import write_report
 
 Progress = Callable[[int], None]
@@ -180,7 +181,10 @@ def _finish(navigator: Navigator, watch: _Watch, seconds: float, folder: RunFold
     navigator.mapper.finish(watch.last.stamp_ns)
     unsaid = tuple(navigator.mapper.ledger.decisions[said:])
     watch.recorder.finish(replace(_final_map(navigator, watch.last, watch.steps / seconds), decisions=unsaid))
-    save_map(navigator.mapper.map, folder.map)
+    topo = navigator.mapper.map
+    if topo.view != "full":
+        condense(topo)
+    save_map(topo, folder.map)
 
 
 def _final_map(navigator: Navigator, last: StepRecord, steps_per_s: float) -> FinalMap:

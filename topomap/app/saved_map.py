@@ -14,7 +14,7 @@ from topomap.mapping.sessions.places import find
 from topomap.navigation.localiser import ANYWHERE, Start
 from topomap.navigation.mission import MissionSettings, goals_of
 from topomap.navigation.wish import Kind
-from topomap.recording.true_nodes import ATTACHMENT, Truths, parse_truths, read_truths, truths_text
+from topomap.recording.true_nodes import ATTACHMENT, Truths, parse_truths, read_truths, truth_file, truths_text
 
 UNKNOWN = "unknown"
 MAP = "start.topomap"
@@ -63,8 +63,3 @@ def _checked(topo: TopoMap, mission: MissionSettings, truths: Truths) -> SavedMa
         goals_of(mission.wish, topo)
     start = ANYWHERE if mission.start == UNKNOWN else Start(node=find(topo, mission.start))
     return SavedMap(topo, start, truths)
-
-
-def truth_file(map_file: Path) -> Path:
-    """Return where the true poses of a map's nodes lie, if a simulated run made it."""
-    return map_file.with_suffix(".truth.csv")

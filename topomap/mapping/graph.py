@@ -161,6 +161,10 @@ class TopoMap:
         """Yield (a, b, increments) along the chain."""
         return self.edges_from(0)
 
+    def replace_way(self, a: int, b: int, increments: Increments) -> None:
+        """Set the odometry from a node to the next on the chain; it must lead to where the old one did."""
+        self._increments[a, b] = increments
+
     def edges_from(self, place: int) -> Iterator[tuple[int, int, Increments]]:
         """Yield (a, b, increments) along the chain from a place in it on."""
         for a, b in pairwise(self.chain[place:]):

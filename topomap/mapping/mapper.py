@@ -12,12 +12,14 @@ from topomap.core.panorama import Panorama
 from topomap.core.recorded import RecordedRig
 from topomap.core.records import Candidate, Decision, MapChange, NodeAdded, PlaceMatch, Verdict
 from topomap.core.robot import Reading
+from topomap.core.view_size import parse_view
 from topomap.mapping.closures.closure_tests import ClosureTest
 from topomap.mapping.closures.ledger import Ledger
 from topomap.mapping.closures.online import Closing, ClosingSettings
 from topomap.mapping.graph import Snapshot, TopoMap
 from topomap.mapping.optimisation import Optimisation, OptimisationSettings
 from topomap.mapping.places.recognition import Recognition, RecognitionSettings
+from topomap.mapping.places.small_view import small_view, snapshot_of
 from topomap.mapping.places.snapshots import SnapshotSettings, View, make_rule
 from topomap.mapping.places.view_cache import ViewCache
 from topomap.mapping.sessions.drive_start import DriveStart
@@ -49,6 +51,9 @@ class Mapper:
     ) -> None:
         """tests: of closures, a user's own, asked before odometry is; resumed: a map to go on with, and where."""
         self.map = resumed.map if resumed else TopoMap()
+        if self.map.view == "full":
+            self.map.view = settings.snapshots.view
+        self._size = parse_view(self.map.view)
         self.view_cache = ViewCache(self.map)
         self.ledger = Ledger()
         self.track = Track(self.map)
@@ -74,8 +79,15 @@ class Mapper:
             if self.map.nodes[node].snapshot is not None:
                 self._recognition.recall(node, self.map.nodes[node].travel, self.view_cache.panorama(node))
 
+    def seen(self, panorama: Panorama) -> Panorama:
+        """Return a view as the map keeps views: what place search, compass and homing compare."""
+        return panorama if self._size is None else small_view(panorama, self._size)
+
     def update(self, reading: Reading, panorama: Panorama) -> MapChange:
-        """Take one reading: extend the track, keep or not, search, test closures, solve; return what changed."""
+        """Take one reading: extend the track, keep or not, search, test closures, solve; return what changed.
+
+        panorama: its view as `seen` returns it.
+        """
         self._move(reading)
         difference = self._difference(panorama)
         added = self._keep(reading, panorama, difference)
@@ -129,13 +141,18 @@ class Mapper:
             return ()
         self._kept_at = self.track.travel
         taught = reading.driven or not self.map.nodes
-        snapshot = Snapshot(reading.encoded, reading.ranges, RecordedRig.of(reading.rig)) if taught else None
+        snapshot = self._snapshot(reading, panorama) if taught else None
         node = self.track.node_at(reading.stamp_ns, snapshot)
         if self._previous is None:
             self.first = node
         if taught:
             self._remember(node, panorama)
         return (NodeAdded(node, reading.stamp_ns, self.map.pose(node), taught, reason),)
+
+    def _snapshot(self, reading: Reading, panorama: Panorama) -> Snapshot:
+        if self._size is not None and reading.rig.width > self._size.columns:
+            return snapshot_of(panorama)
+        return Snapshot(reading.encoded, reading.ranges, RecordedRig.of(reading.rig))
 
     def _reason(self, panorama: Panorama, difference: float, driven: bool) -> str | None:
         if self._previous is None:

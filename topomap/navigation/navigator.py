@@ -43,7 +43,7 @@ class Navigator:
     def step(self, reading: Reading) -> tuple[Command, StepRecord]:
         """Take one reading through all stages; return the command and the record of the step."""
         watch = Stopwatch()
-        panorama = Panorama.from_reading(reading)
+        panorama = self.mapper.seen(Panorama.from_reading(reading))
         watch.lap("panorama")
         change = self.mapper.update(reading, panorama)
         watch.lap("map")

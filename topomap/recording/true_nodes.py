@@ -19,6 +19,11 @@ Truths = Mapping[int, tuple[float, float, float]]
 """True poses x, y [m], heading [rad] by node."""
 
 
+def truth_file(map_file: Path) -> Path:
+    """Return where the true poses of a map's nodes lie, if a simulated run made it."""
+    return map_file.with_suffix(".truth.csv")
+
+
 def truths_text(truths: Truths) -> str:
     """Return true poses as CSV."""
     text = io.StringIO()
