@@ -12,10 +12,12 @@ from topomap.mapping.closures.closure_tests import ClosureTest
 from topomap.mapping.mapper import Mapper
 from topomap.navigation.localiser import HERE, Localiser
 from topomap.navigation.manoeuvres.active_check import ActiveCheck
+from topomap.navigation.manoeuvres.hall_course import HallCourse
 from topomap.navigation.mission import Mission
 from topomap.navigation.navigator import Navigator
 from topomap.navigation.pilot import Pilot
 from topomap.navigation.traveller import Traveller
+from topomap.navigation.wish import Kind
 from topomap.vision.registry import aligned_homing, aligner
 
 PACKAGES = ("topomap", "numpy", "scipy", "numba", "opencv-python-headless", "gtsam", "networkx", "pymunk", "mcap")
@@ -31,7 +33,10 @@ def build_navigator(config: StackConfig, tests: Sequence[ClosureTest] = (), save
     mapper = Mapper(config.mapper, aligner(config.mapper.aligner), tests, saved.drive_start if saved else None)
     localiser = Localiser(saved.start if saved else HERE)
     active = ActiveCheck(config.active, Pilot(travel.pilot), homing)
-    return Navigator(mapper, localiser, Mission(config.mission), Traveller(travel, homing), active)
+    course = None
+    if config.mission.wish.kind is Kind.HALL:
+        course, mapper.explores = HallCourse(config.hall, Pilot(travel.pilot), homing), True
+    return Navigator(mapper, localiser, Mission(config.mission), Traveller(travel, homing), active, course)
 
 
 def versions() -> dict[str, str]:

@@ -69,6 +69,7 @@ class Mapper:
         self._kept_at = 0.0
         self._resumed = resumed
         self.first = 0
+        self.explores = False  # the robot shows itself the way: snapshots are kept though nobody drives it
         if resumed:
             self._recall()
 
@@ -136,11 +137,12 @@ class Mapper:
 
     def _keep(self, reading: Reading, panorama: Panorama, difference: float) -> tuple[NodeAdded, ...]:
         """Store a snapshot where the rule asks for one while being taught; on a journey, now and then a pose node."""
-        reason = self._reason(panorama, difference, reading.driven)
+        shown = reading.driven or self.explores
+        reason = self._reason(panorama, difference, shown)
         if not reason:
             return ()
         self._kept_at = self.track.travel
-        taught = reading.driven or not self.map.nodes
+        taught = shown or not self.map.nodes
         snapshot = self._snapshot(reading, panorama) if taught else None
         node = self.track.node_at(reading.stamp_ns, snapshot)
         if self._previous is None:

@@ -8,6 +8,7 @@ from topomap.core.robot import Reading
 from topomap.mapping.mapper import Mapper
 from topomap.navigation.localiser import Localiser
 from topomap.navigation.manoeuvres.active_check import ActiveCheck
+from topomap.navigation.manoeuvres.hall_course import HallCourse
 from topomap.navigation.mission import Mission
 from topomap.navigation.stopwatch import Stopwatch
 from topomap.navigation.traveller import Traveller
@@ -17,13 +18,21 @@ class Navigator:
     """Maps, localises, decides and steers; knows no files, no bars, no plots and never the truth."""
 
     def __init__(
-        self, mapper: Mapper, localiser: Localiser, mission: Mission, traveller: Traveller, active: ActiveCheck
+        self,
+        mapper: Mapper,
+        localiser: Localiser,
+        mission: Mission,
+        traveller: Traveller,
+        active: ActiveCheck,
+        course: HallCourse | None = None,
     ) -> None:
+        """course: drives instead of the traveller, where that is the mission."""
         self.mapper = mapper
         self._localiser = localiser
         self._mission = mission
         self._traveller = traveller
         self._active = active
+        self._course = course
 
     @property
     def over(self) -> bool:
@@ -50,11 +59,15 @@ class Navigator:
         where = self._localiser.update(self.mapper, change)
         goal = self._mission.goal(reading.driven, self.mapper.map)
         watch.lap("localise")
-        checked = self._active.step(panorama, reading.contact, self.mapper) if goal.phase is Phase.TRAVEL else None
+        travels = goal.phase is Phase.TRAVEL and self._course is None
+        checked = self._active.step(panorama, reading.contact, self.mapper) if travels else None
         if checked is not None:
             self._traveller.pause()
         turn = self.mapper.track.turn
-        command, travel = checked or self._traveller.step(panorama, turn, where, goal, self.mapper)
+        if self._course is not None:
+            command, travel = self._course.step(panorama, where.pose, self.mapper.track.raw)
+        else:
+            command, travel = checked or self._traveller.step(panorama, turn, where, goal, self.mapper)
         self._mission.report(travel)
         watch.lap("travel")
         return command, StepRecord(

@@ -75,7 +75,7 @@ def _overlaps(count: int, fewer: int, shift: float) -> FloatArray:
         begin = np.maximum(edges[:-1, None], cells[None, :] + turn)
         end = np.minimum(edges[1:, None], cells[None, :] + turn + 1.0)
         lap += np.maximum(end - begin, 0.0)
-    return lap / lap.sum(axis=1, keepdims=True)
+    return np.asarray(lap / lap.sum(axis=1, keepdims=True))
 
 
 def _ranges(ranges: Float32Array, columns: int) -> Float32Array:
