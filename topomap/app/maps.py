@@ -96,8 +96,7 @@ def prune_file(path: Path, out: Path, told: Callable[[float], None]) -> Written:
 def merge_files(first: Path, second: Path, out: Path, told: Told) -> Written:
     """Write two maps as one, in the frame and with the numbers of the first. Raises DataError, TopomapError."""
     a, b = load_map(first), load_map(second)
-    settings = MapperSettings()
-    claims = CrossClaims(aligner("min-warping"), settings.closing.appearance, settings.closing.offset)
+    claims = CrossClaims(aligner("min-warping"), MapperSettings().closing.offset)
     merged = merge(a, b, claims, told)
     save_map(merged.map, out)
     mine, theirs = read_truths(truth_file(first)), read_truths(truth_file(second))

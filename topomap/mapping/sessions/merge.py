@@ -53,8 +53,10 @@ def merge(first: TopoMap, second: TopoMap, claims: CrossClaims, told: Told) -> M
     joined, offset = _joined(first, second)
     count = len(first.nodes)
     own = [*first.closures, *(replace(c, i=c.i + count, j=c.j + count) for c in second.closures)]
-    claimed = [ClosureEdge(s.i, s.j + count, s.relative, s.covariance) for s in seen]
-    judged, edges = _judged(joined, own, claimed, lambda share, what: told(0.5 + 0.5 * share, what))
+    claimed = [(ClosureEdge(s.i, s.j + count, s.relative, s.covariance), s.looks) for s in seen]
+    judged, edges = _judged(
+        joined, [*((edge, 0.0) for edge in own), *claimed], lambda share, what: told(0.5 + 0.5 * share, what)
+    )
     stand = [edge for edge, inlier in zip(edges, judged.inlier.tolist(), strict=True) if inlier]
     across = sum((edge.i < count) != (edge.j < count) for edge in stand)
     if across < FEWEST:
@@ -119,13 +121,17 @@ def _read_as(increments: Increments, theirs: Calibration, ours: Calibration, lat
 
 
 def _judged(
-    joined: TopoMap, closures: list[ClosureEdge], seen: list[ClosureEdge], told: Told
+    joined: TopoMap, claimed: list[tuple[ClosureEdge, float]], told: Told
 ) -> tuple[Judgement, list[ClosureEdge]]:
-    """Return what the engine makes of all closures, within the maps and between them, and these in its order."""
+    """Return what the engine makes of closures, within the maps and between them, and these in its order.
+
+    claimed: each with what looks say of it.
+    """
     place = np.empty(len(joined.chain), np.int64)
     place[joined.chain] = np.arange(len(joined.chain))
-    edges = sorted([*closures, *seen], key=lambda edge: (_ends(edge, place), edge.weight))
-    claims = _claims(edges, place)
+    ordered = sorted(claimed, key=lambda one: (_ends(one[0], place), one[1]))
+    edges = [edge for edge, _ in ordered]
+    claims = replace(_claims(edges, place), looks=np.array([looks for _, looks in ordered]))
     drive = Drive(
         joined.poses[joined.chain],
         OdometryEdges.of([OdometryEdge(int(place[a]), int(place[b]), way) for a, b, way in joined.odometry_edges()]),
