@@ -9,8 +9,8 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from topomap.core.arrays import FloatArray, IntArray
-from topomap.mapping.closures.agreement_kernels import short_loops
 from topomap.core.records import UNKNOWN_HEADING
+from topomap.mapping.closures.agreement_kernels import short_loops
 from topomap.mapping.closures.claims import Claims
 from topomap.mapping.uncertainty.odometry_chain import Chain
 

@@ -26,8 +26,8 @@ SHARE = 0.8
 home within 0.7 m, 0.84 or more where it passes 1.5 m off and everywhere else in the hall, equalised or not."""
 RISE, RISING = 1.05, 2
 """The minimum is passed when the difference is this much above it for so many steps."""
-CORNER = 0.3
-"""[m] So near a corner the next one is steered for."""
+CORNER = 1.2
+"""[m] So near a corner the next one is steered for: the radius of the bends of the hall's own course."""
 GOAL_SPEED = 0.2
 """[m/s] On the way home: a step of 0.25 s is 5 cm."""
 POLICY_REST = 12
