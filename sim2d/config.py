@@ -27,6 +27,31 @@ class LightChange(Section):
         return self
 
 
+class LensConfig(Section):
+    """The optics: lenses side by side, or a mirror on supports."""
+
+    lenses: int = Field(2, ge=1, le=12, description="lenses that share the turn, the first along the nose")
+    vignetting: float = Field(0.0, ge=0, lt=1, description="share of light lost in the corners of each lens")
+    seam: float = Field(0.0, ge=0, le=0.5, description="how the lenses differ in colour gain, standard deviation [ln]")
+    supports: int = Field(0, ge=0, le=8, description="bars that hold a mirror, the first one behind")
+    support_deg: float = Field(2.0, gt=0, le=30, description="width of such a bar [degree]")
+
+
+class ShutterConfig(Section):
+    """Motion in the picture: how long it is exposed, and how long its rows take one after the other."""
+
+    exposure: float = Field(0.0, ge=0, le=1, description="exposure time [s]")
+    readout: float = Field(0.0, ge=0, le=1, description="time from the first row's exposure to the last one's [s]")
+
+
+class SwayConfig(Section):
+    """Tilt that follows the motion and the floor."""
+
+    per_acceleration_deg: float = Field(0.0, ge=0, le=45, description="lean by acceleration [degree per m/s2]")
+    bumps_deg: float = Field(0.0, ge=0, le=20, description="lean by the floor's bumps, standard deviation [degree]")
+    bump_length: float = Field(0.5, ge=0.05, le=100, description="extent of a bump [m]")
+
+
 class CameraConfig(Section):
     """The panoramic camera."""
 
@@ -47,6 +72,15 @@ class CameraConfig(Section):
     roll_deg: float = Field(0.0, gt=-45, lt=45, description="mount leans to the right by [degree]")
     pitch_deg: float = Field(0.0, gt=-45, lt=45, description="mount leans forward by [degree]")
     missing: float = Field(0.0, ge=0, le=0.9, description="share of frames that don't arrive: no reading at that step")
+    repeated: float = Field(0.0, ge=0, le=0.9, description="share of readings that hold the frame before once more")
+    lag: float = Field(0.0, ge=0, le=2, description="age of the image at its reading's stamp [s]")
+    white_balance: Literal["fixed", "auto"] = Field("fixed", description="whether the camera evens out its colours")
+    exposure_lag: float = Field(0.0, ge=0, le=60, description="time constant of exposure and white balance [s]")
+    max_bytes: int | None = Field(None, ge=500, description="greatest JPEG; its quality falls until it fits [bytes]")
+    hour_rate: float = Field(0.0, ge=0, le=1000, description="hours of the day that pass in an hour of the run")
+    lens: LensConfig = Field(default_factory=LensConfig, description="optics")
+    shutter: ShutterConfig = Field(default_factory=ShutterConfig, description="motion in the picture")
+    sway: SwayConfig = Field(default_factory=SwayConfig, description="tilt by motion and floor")
 
 
 class LaserConfig(Section):
@@ -58,6 +92,7 @@ class LaserConfig(Section):
     noise: float = Field(0.01, ge=0, description="range noise, standard deviation [m]")
     max_range: float = Field(10.0, gt=0, description="nothing is measured beyond by the ring [m]")
     dropout: float = Field(0.002, ge=0, le=1, description="share of rays that return nothing")
+    lag: float = Field(0.0, ge=0, le=2, description="age of the ranges at their reading's stamp [s]")
 
 
 class OdometerConfig(Section):
@@ -73,6 +108,11 @@ class OdometerConfig(Section):
     slip_turn_deg: float = Field(0.0, ge=0, description="random turn read per step in contact [degree]")
     spread: float = Field(
         0.2, ge=0, lt=1, description="each systematic error is multiplied by uniform(1 - spread, 1 + spread)"
+    )
+    floor: float = Field(0.0, ge=0, le=0.2, description="how the distance read varies by floor, standard deviation")
+    floor_patch: float = Field(4.0, ge=0.2, le=100, description="extent of such a floor [m]")
+    load: float = Field(
+        0.0, ge=0, le=1, description="how each systematic error wanders with load, standard deviation as a share of it"
     )
 
 
@@ -115,6 +155,7 @@ class PeopleConfig(Section):
     """People besides those of the world."""
 
     extra: int = Field(0, ge=0, le=200, description="people who walk to and fro along stretches of the robot's route")
+    beside: int = Field(0, ge=0, le=20, description="people who walk beside the robot all the way and hide the view")
 
 
 class KidnapConfig(Section):
@@ -143,4 +184,5 @@ class SimConfig(Section):
     driver: DriverConfig = Field(default_factory=DriverConfig, description="driver of the taught route")
     people: PeopleConfig = Field(default_factory=PeopleConfig, description="people besides the world's own")
     start: StartConfig = Field(default_factory=StartConfig, description="where the robot is set")
+    floor_gloss: float | None = Field(None, ge=0, le=1, description="share that the floor mirrors; none: the world's")
     kidnaps: tuple[KidnapConfig, ...] = Field((), description="when and where to the robot is carried away")

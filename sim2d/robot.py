@@ -5,6 +5,9 @@ from __future__ import annotations
 import math
 from typing import Protocol
 
+import numpy as np
+from numpy.typing import NDArray
+
 from sim2d.body import Body
 from sim2d.camera import Camera
 from sim2d.config import SimConfig
@@ -17,6 +20,7 @@ from sim2d.path import of_route
 from sim2d.records import EPOCH_NS, CameraRig, OdometerReading, SimReading, SimTruth, TrueCalibration
 from sim2d.start import start_pose
 from sim2d.streams import stream
+from sim2d.way import Way
 from sim2d.world import World
 
 
@@ -45,14 +49,18 @@ class SimRobot:
             config.body,
         )
         path = self._driver.path
-        world.add_people(crowd(path, config.people, stream(seed, "people")))
+        world.add_people(crowd(path, config.people, stream(seed, "people"), config.body.max_speed))
         self._body = Body(world, config.body, *start_pose(world, path, config.start))
         self._driver.progress = config.start.along or 0.0
-        self._camera = Camera(config.camera, stream(seed, "image noise"))
-        self._missing = stream(seed, "missing frames")
+        self._camera = Camera(
+            config.camera, stream(seed, "image noise"), stream(seed, "camera body"), config.floor_gloss
+        )
+        self._missing, self._repeated = stream(seed, "missing frames"), stream(seed, "repeated frames")
+        self._frame: tuple[NDArray[np.uint8], bytes] | None = None
         self._laser = Laser(config.laser, stream(seed, "range noise"))
-        streams = (stream(seed, name) for name in ("drift", "odometry noise", "slip"))
+        streams = (stream(seed, name) for name in ("drift", "odometry noise", "slip", "floor and load"))
         self._odometer = Odometer(config.odometer, *streams)
+        self._way = Way(config.body.step, (self._body.x, self._body.y, self._body.heading))
         self._events = Events(world, config, self._body, self._driver, self._camera)
         self._wheels = (0.0, 0.0)
         self._driven = config.driver.teaches
@@ -93,13 +101,12 @@ class SimRobot:
         while self._steps and self._frame_is_missing():
             self._steps += 1
             motion = joined(motion, self._move())
-        pose = self._body.x, self._body.y, self._body.heading
-        image, encoded = self._camera.shoot(self.world, *pose)
+        image, encoded = self._shoot()
         return SimReading(
             stamp_ns=self._stamp(),
             image=image,
             encoded=encoded,
-            ranges=self._laser.scan(self.world, *pose),
+            ranges=self._laser.scan(self.world, *self._way.back(self._config.laser.lag)),
             motion=motion,
             rig=self._camera.rig,
             contact=self._body.contact,
@@ -121,6 +128,15 @@ class SimRobot:
         heading = math.remainder(self._body.heading, math.tau)
         return SimTruth(self._stamp(), self._body.x, self._body.y, heading, self._body.contact)
 
+    def _shoot(self) -> tuple[NDArray[np.uint8], bytes]:
+        """Return this step's frame, or the last one again where the camera repeats it."""
+        camera, dt = self._config.camera, self._config.body.step
+        again = camera.repeated > 0 and self._repeated.random() < camera.repeated
+        if self._frame is None or not again:
+            pose, before = self._way.back(camera.lag), self._way.back(camera.lag + dt)
+            self._frame = self._camera.shoot(self.world, *pose, before, dt if self._steps else 0.0)
+        return self._frame
+
     def _move(self) -> OdometerReading:
         """Drive one step and read the odometer."""
         dt = self._config.body.step
@@ -132,8 +148,12 @@ class SimRobot:
         self._events.before_step(seconds)
         way, turn = self._body.advance(*self._wheels, dt)
         blocked = self._body.wanted(self._wheels[0], dt) - way
-        self._events.carry_away(seconds + dt)
-        return self._odometer.read(way, turn, dt, blocked, self._body.contact)
+        place = self._body.x, self._body.y
+        if self._events.carry_away(seconds + dt):
+            self._way = Way(dt, (self._body.x, self._body.y, self._body.heading))
+        else:
+            self._way.extend((*place, self._body.heading))
+        return self._odometer.read(way, turn, dt, blocked, self._body.contact, place)
 
     def _frame_is_missing(self) -> bool:
         share = self._config.camera.missing

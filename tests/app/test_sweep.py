@@ -45,8 +45,9 @@ def test_variants_are_every_combination(tmp_path: Path) -> None:
     assert not any(" " in str(task.folder.relative_to(tmp_path)) for task in tasks)
 
 
-def test_the_example_holds_settings_that_there_are(tmp_path: Path) -> None:
-    example = Path(__file__).parents[2] / "examples" / "sweeps" / "conditions.toml"
+@pytest.mark.parametrize("name", ["conditions", "real-weather"])
+def test_the_example_holds_settings_that_there_are(tmp_path: Path, name: str) -> None:
+    example = Path(__file__).parents[2] / "examples" / "sweeps" / f"{name}.toml"
     tasks = plan([DEN], [0], None, SHORT, variants([], example), tmp_path)
     assert len({task.config.model_dump_json() for task in tasks}) == len(tasks) >= 8
 
