@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import networkx as nx
 import numpy as np
@@ -79,7 +80,7 @@ def test_new_ground_behind_known_ground_can_be_reached() -> None:
     first, end = pruned.node_named(0), pruned.node_named(last + 7)
     assert end is not None
     path = nx.shortest_path(pruned.graph, first, end)
-    ways = [pruned.length(a, b) for a, b in zip(path, path[1:], strict=False)]
+    ways = [pruned.length(a, b) for a, b in pairwise(path)]
     assert max(ways) < 0.8, "no step of the way leads through what was left out"
 
 

@@ -30,8 +30,9 @@ FARTHEST = 0.8
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Seen:
-    """Node j of the second map was taken where node i of the first was: `i_from_j` with covariance (3, 3); looks: log of
-    how much likelier the views are so than if it was elsewhere.
+    """Node j of the second map was taken where node i of the first was: `i_from_j` with covariance (3, 3).
+
+    looks: log of how much likelier the views are so than if it was elsewhere.
     """
 
     i: int
