@@ -27,7 +27,9 @@ home within 0.7 m, 0.84 or more where it passes 1.5 m off and everywhere else in
 RISE, RISING = 1.05, 2
 """The minimum is passed when the difference is this much above it for so many steps."""
 CORNER = 1.2
-"""[m] So near a corner the next one is steered for: the radius of the bends of the hall's own course."""
+"""[m] So near a corner the next side is steered for: the radius of the bends of the hall's own course."""
+LOOKAHEAD = 1.0
+"""[m] To the point on a side that is steered for: two and a half seconds' way."""
 GOAL_SPEED = 0.2
 """[m/s] On the way home: a step of 0.25 s is 5 cm."""
 POLICY_REST = 12
@@ -97,7 +99,14 @@ class HallCourse:
     def _begin(self, panorama: Panorama, pose: Pose2) -> None:
         s = self._s
         self._home, self._last = panorama, pose
-        around = ((s.ahead, 0.0), (s.ahead, s.width), (-s.behind, s.width), (-s.behind, 0.0), (s.ahead, 0.0))
+        around = (
+            (0.0, 0.0),
+            (s.ahead, 0.0),
+            (s.ahead, s.width),
+            (-s.behind, s.width),
+            (-s.behind, 0.0),
+            (s.ahead, 0.0),
+        )
         self._corners = [pose @ Pose2(x, y) for x, y in around]
 
     def _passed(self, difference: float) -> bool:
@@ -114,12 +123,12 @@ class HallCourse:
         return found
 
     def _course(self, seen: Panorama, pose: Pose2, difference: float) -> tuple[Command, Travel]:
-        while self._corners and pose.distance(self._corners[0]) < CORNER:
+        while len(self._corners) > 1 and pose.distance(self._corners[1]) < CORNER:
             self._corners.pop(0)
-        if not self._corners:
+        if len(self._corners) < 2:
             return Command(), Travel(Phase.FAILED, 0, None, difference, 0, "the course is over and home wasn't noticed")
-        command = self._pilot.steer(pose.bearing_to(self._corners[0]), seen.ranges)
-        return command, Travel(Phase.TRAVEL, None, None, difference, len(self._corners))
+        command = self._pilot.steer(pose.bearing_to(_ahead_on(*self._corners[:2], pose)), seen.ranges)
+        return command, Travel(Phase.TRAVEL, None, None, difference, len(self._corners) - 1)
 
     def _homeward(self, panorama: Panorama, raw: Pose2, turn: float) -> tuple[Command, Travel]:
         assert self._home is not None
@@ -143,3 +152,12 @@ class HallCourse:
             command = self._pilot.steer(home.bearing, panorama.ranges, GOAL_SPEED)
         note = "home looks near" if self._steps == 1 else ""
         return command, Travel(Phase.TRAVEL, 0, home, difference, 1, note)
+
+
+def _ahead_on(begin: Pose2, end: Pose2, pose: Pose2) -> Pose2:
+    """Return the point on a side that lies ahead of where a pose is beside it."""
+    length = begin.distance(end)
+    x, y = (end.x - begin.x) / length, (end.y - begin.y) / length
+    along = (pose.x - begin.x) * x + (pose.y - begin.y) * y + LOOKAHEAD
+    along = min(max(along, 0.0), length)
+    return Pose2(begin.x + along * x, begin.y + along * y)
