@@ -270,7 +270,10 @@ class Edge:
 
 @dataclass(frozen=True, slots=True)
 class Final:
-    """The finished map: trajectory (N stamps, N * 3 values row by row, map frame), nodes, edges, identity."""
+    """The finished map: trajectory (N stamps, N * 3 values row by row, map frame), nodes, edges, identity.
+
+    fault: what ended the run before its time, None where nothing did.
+    """
 
     stamps_ns: tuple[int, ...]
     poses: tuple[float, ...]
@@ -280,3 +283,5 @@ class Final:
     graph_hash: str
     claimed: bool | None
     goal_node: int | None
+    topology_hash: str | None = None
+    fault: str | None = None

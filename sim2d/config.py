@@ -10,15 +10,15 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 class Section(BaseModel):
     """A read-only section that refuses unknown keys."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
 
 class LightChange(Section):
     """Another hour of the day from a time or a lap on."""
 
     hour: float = Field(ge=0, le=24, description="hour of the day")
-    at_s: float | None = Field(None, ge=0, description="run time from which on it holds [s]")
-    at_lap: float | None = Field(None, ge=0, description="laps driven from which on it holds")
+    at_s: float | None = Field(None, ge=0, le=1e6, description="run time from which on it holds [s]")
+    at_lap: float | None = Field(None, ge=0, le=1000, description="laps driven from which on it holds")
 
     @model_validator(mode="after")
     def _has_one_moment(self) -> Self:
@@ -58,7 +58,7 @@ class CameraConfig(Section):
     width: int = Field(720, ge=8, le=7200, description="columns of the panorama [pixels]")
     height: int = Field(100, ge=4, le=2000, description="rows of the panorama [pixels]")
     camera_height: float = Field(0.6, gt=0, le=3, description="eye level above the floor [m]")
-    forward_column: int = Field(360, ge=0, description="recorded column that looks along the nose")
+    forward_column: int = Field(360, ge=0, lt=7200, description="recorded column that looks along the nose")
     clockwise: bool = Field(True, description="recorded columns run clockwise")
     codec: Literal["jpeg", "png"] = Field("jpeg", description="image codec of the camera")
     quality: int = Field(90, ge=1, le=100, description="JPEG quality")
@@ -67,7 +67,7 @@ class CameraConfig(Section):
     exposure: Literal["fixed", "auto"] = Field("fixed", description="whether the camera sets its gain by the view")
     hour: float | None = Field(None, ge=0, le=24, description="hour of the day that lights the world; none: evenly lit")
     light_changes: tuple[LightChange, ...] = Field((), description="other hours in mid-run")
-    horizon_row: float | None = Field(None, description="row of eye level; none: the middle of the image")
+    horizon_row: float | None = Field(None, ge=0, lt=2000, description="row of eye level; none: mid-image")
     blur: float = Field(0.0, ge=0, le=20, description="blur, standard deviation [pixels]")
     roll_deg: float = Field(0.0, gt=-45, lt=45, description="mount leans to the right by [degree]")
     pitch_deg: float = Field(0.0, gt=-45, lt=45, description="mount leans forward by [degree]")
@@ -76,7 +76,7 @@ class CameraConfig(Section):
     lag: float = Field(0.0, ge=0, le=2, description="age of the image at its reading's stamp [s]")
     white_balance: Literal["fixed", "auto"] = Field("fixed", description="whether the camera evens out its colours")
     exposure_lag: float = Field(0.0, ge=0, le=60, description="time constant of exposure and white balance [s]")
-    max_bytes: int | None = Field(None, ge=500, description="greatest JPEG; its quality falls until it fits [bytes]")
+    max_bytes: int | None = Field(None, ge=500, le=10**8, description="greatest JPEG; quality falls until it fits [B]")
     hour_rate: float = Field(0.0, ge=0, le=1000, description="hours of the day that pass in an hour of the run")
     lens: LensConfig = Field(default_factory=LensConfig, description="optics")
     shutter: ShutterConfig = Field(default_factory=ShutterConfig, description="motion in the picture")
@@ -89,8 +89,8 @@ class LaserConfig(Section):
     scanner: Literal["ring", "urg"] = Field("ring", description="all round at once, or two opposite shots of a scanner")
     rays: int = Field(720, ge=1, le=7200, description="ranges per turn that are handed over")
     height: float = Field(0.0, ge=0, le=10, description="only what is at least as high is hit [m]")
-    noise: float = Field(0.01, ge=0, description="range noise, standard deviation [m]")
-    max_range: float = Field(10.0, gt=0, description="nothing is measured beyond by the ring [m]")
+    noise: float = Field(0.01, ge=0, le=10, description="range noise, standard deviation [m]")
+    max_range: float = Field(10.0, gt=0, le=1000, description="nothing is measured beyond by the ring [m]")
     dropout: float = Field(0.002, ge=0, le=1, description="share of rays that return nothing")
     lag: float = Field(0.0, ge=0, le=2, description="age of the ranges at their reading's stamp [s]")
 
@@ -98,14 +98,16 @@ class LaserConfig(Section):
 class OdometerConfig(Section):
     """Errors: forward_read = distance_scale * forward; turn_read = rotation_scale * turn + curvature * forward."""
 
-    distance_scale: float = Field(0.95, gt=0, description="distance read per true metre")
-    rotation_scale: float = Field(1.04, gt=0, description="turn read per true turn")
-    curvature: float = Field(0.003, description="turn read per true metre, from unequal wheels [rad/m]")
-    forward_noise: float = Field(0.02, ge=0, description="random distance error [m per sqrt m]")
-    turn_noise_deg: float = Field(0.5, ge=0, description="random turn error [degree per sqrt m]")
-    turn_noise_per_rad_deg: float = Field(0.0, ge=0, description="random turn error of turning [degree per sqrt rad]")
+    distance_scale: float = Field(0.95, ge=0.1, le=10, description="distance read per true metre")
+    rotation_scale: float = Field(1.04, ge=0.1, le=10, description="turn read per true turn")
+    curvature: float = Field(0.003, ge=-10, le=10, description="turn read per true metre, from unequal wheels [rad/m]")
+    forward_noise: float = Field(0.02, ge=0, le=10, description="random distance error [m per sqrt m]")
+    turn_noise_deg: float = Field(0.5, ge=0, le=180, description="random turn error [degree per sqrt m]")
+    turn_noise_per_rad_deg: float = Field(
+        0.0, ge=0, le=180, description="random turn error of turns [degree per sqrt rad]"
+    )
     slip: float = Field(0.0, ge=0, le=1, description="share of blocked way that spinning wheels read as driven")
-    slip_turn_deg: float = Field(0.0, ge=0, description="random turn read per step in contact [degree]")
+    slip_turn_deg: float = Field(0.0, ge=0, le=180, description="random turn read per step in contact [degree]")
     spread: float = Field(
         0.2, ge=0, lt=1, description="each systematic error is multiplied by uniform(1 - spread, 1 + spread)"
     )
@@ -119,18 +121,18 @@ class OdometerConfig(Section):
 class BodyConfig(Section):
     """The differential-drive body."""
 
-    radius: float = Field(0.2, gt=0, le=2, description="robot radius [m]")
-    max_speed: float = Field(0.4, gt=0, description="greatest forward speed [m/s]")
-    step: float = Field(0.25, gt=0, le=2, description="time from one reading to the next [s]")
+    radius: float = Field(0.2, ge=0.01, le=2, description="robot radius [m]")
+    max_speed: float = Field(0.4, ge=0.01, le=5, description="greatest forward speed [m/s]")
+    step: float = Field(0.25, ge=0.01, le=2, description="time from one reading to the next [s]")
 
 
 class DriverConfig(Section):
     """The driver who teaches the route."""
 
     route: str = Field("", description="name of the world's route to drive instead of its default one")
-    laps: float | None = Field(None, gt=0, description="laps to drive instead of the world's own number")
+    laps: float | None = Field(None, gt=0, le=1000, description="laps to drive instead of the world's own number")
     teaches: bool = Field(True, description="drives the route; if not, the robot has its wheels from the beginning")
-    lateral_offset: float = Field(0.0, description="offset to the left from lap two on [m]")
+    lateral_offset: float = Field(0.0, ge=-10, le=10, description="offset to the left from lap two on [m]")
 
 
 class StartConfig(Section):
@@ -161,11 +163,11 @@ class PeopleConfig(Section):
 class KidnapConfig(Section):
     """The robot is carried away, which no wheel notices: to a named place, or to x, y, heading."""
 
-    at_s: float = Field(ge=0, description="run time [s]")
+    at_s: float = Field(ge=0, le=1e6, description="run time [s]")
     place: str = Field("", description="name of one of the world's places")
-    x: float | None = Field(None, description="where to [m]")
-    y: float | None = Field(None, description="where to [m]")
-    heading_deg: float = Field(0.0, description="heading there [degree]")
+    x: float | None = Field(None, ge=-1e5, le=1e5, description="where to [m]")
+    y: float | None = Field(None, ge=-1e5, le=1e5, description="where to [m]")
+    heading_deg: float = Field(0.0, ge=-360, le=360, description="heading there [degree]")
 
     @model_validator(mode="after")
     def _has_one_place(self) -> Self:

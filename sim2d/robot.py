@@ -12,7 +12,8 @@ from sim2d.body import Body
 from sim2d.camera import Camera
 from sim2d.config import SimConfig
 from sim2d.crowd import crowd
-from sim2d.driver import Driver
+from sim2d.driver import STUCK_S, Driver
+from sim2d.errors import WorldError
 from sim2d.events import Events
 from sim2d.laser import Laser
 from sim2d.odometer import Odometer, joined
@@ -35,6 +36,8 @@ class Wheels(Protocol):
 
 class SimRobot:
     """A robot in a world of its own. The driver has the wheels until the route is over; then commands count.
+
+    Raises WorldError where the driver can't go on.
 
     The first reading is at the start pose; each later `sense` first moves for one step. Same world, config, seed and
     commands: same readings.
@@ -143,6 +146,9 @@ class SimRobot:
         seconds = (self._steps - 1) * dt
         if self._driven:
             self._wheels = self._driver.command(self._body.x, self._body.y, self._body.heading)
+            if self._driver.stuck:
+                at = f"x = {self._body.x:.2f}, y = {self._body.y:.2f} m"
+                raise WorldError(f"the driver has been stuck for {STUCK_S:g} s at {at}: the route can't be driven so")
             # the reading at standstill is the first that the stack answers
             self._driven = not self._driver.done
         self._events.before_step(seconds)

@@ -32,6 +32,9 @@ KEYS = {
     "curvature": {"true", "found", "sigma"},
     "home": {"asked", "claimed", "within_0_3_m", "error_m", "path_ratio", "collisions"},
     "graph_hash": None,
+    "topology_hash": None,
+    "fault": None,
+    "log": {"state", "note"},
     "versions": None,
 }
 

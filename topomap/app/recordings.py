@@ -18,17 +18,22 @@ from topomap.datasets.tuc.mapping import map_tuc as map_recording
 from topomap.datasets.tuc.recording import read_tuc
 from topomap.evaluation.summary import write_whole
 from topomap.mapping.drive_engine import AlongSettings
+from topomap.report.figures.style import png
 
 
-def map_tuc(path: Path, out: Path, building_axes: bool = False) -> RunResult:
+def map_tuc(path: Path, out: Path, building_axes: bool = False, force: bool = False) -> RunResult:
     """Map a folder in the TUC format; write trajectories, summary and report. Raises DataError.
+
+    force: replace what an earlier run left in the folder.
 
     building_axes: assume that straight stretches run along two axes of the building; the result is named so.
     """
     recording = read_tuc(path)
-    folder = RunFolder.create(out)
+    folder = RunFolder.create(out, force=force)
     data = map_recording(recording, AlongSettings(building_axes=building_axes), versions())
-    result = conclude(data, folder)
+    with folder.owned():
+        folder.clear()
+        result = conclude(data, folder)
     return replace(result, files=(*write_tum(data, out), folder.summary, folder.report))
 
 
@@ -46,5 +51,5 @@ def write_bench(rows: Sequence[RecordingRow], out: Path) -> tuple[Path, ...]:
     """Write recording.json, recording.csv and recording.png."""
     write_whole(out / "recording.json", to_json(rows))
     write_whole(out / "recording.csv", to_csv(rows))
-    firmness(rows).savefig(out / "recording.png", dpi=130, metadata={"Software": None})
+    write_whole(out / "recording.png", png(firmness(rows)))
     return tuple(out / f"recording.{kind}" for kind in ("json", "csv", "png"))

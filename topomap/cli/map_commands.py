@@ -10,6 +10,7 @@ import typer
 
 from topomap.cli.console import console, share, table
 from topomap.cli.run_commands import show
+from topomap.cli.words import FORCE
 
 if TYPE_CHECKING:
     from topomap.app.maps import Written
@@ -103,6 +104,7 @@ def _tell(done: Written, title: str) -> None:
 def tuc(
     path: Path = typer.Argument(help="Folder of a TUC recording: *_Input.txt and, if known, *_GT.txt."),
     out: Path | None = typer.Option(None, help="Folder for trajectory, summary and report [runs/NAME]."),
+    force: bool = FORCE,
     building_axes: bool = typer.Option(
         False, "--building-axes", help="Assume that straight stretches run along the building's two axes."
     ),
@@ -111,5 +113,5 @@ def tuc(
     from topomap.app import recordings
 
     with console.status("mapping") if console.is_terminal else nullcontext():
-        result = recordings.map_tuc(path, out or Path("runs") / path.resolve().name, building_axes)
+        result = recordings.map_tuc(path, out or Path("runs") / path.resolve().name, building_axes, force)
     show(result)

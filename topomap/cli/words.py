@@ -12,3 +12,9 @@ SETTINGS = typer.Option(
     metavar="SECTION.KEY=VALUE",
     help="One setting, e.g. stack.mission.then=stop; may repeat; 'topomap config show' lists them.",
 )
+FORCE = typer.Option(False, "--force", help="Replace what an earlier run left in the folder.")
+PARTIAL = typer.Option(
+    False,
+    "--partial",
+    help="Be content with a log that is cut off, damaged, repaired or unverified: no exit code 3.",
+)

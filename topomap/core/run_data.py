@@ -43,7 +43,8 @@ class RunData:
     stage_ms: milliseconds (N,) by stage of the step, NaN where none was logged;
     earlier: true poses (3,) of nodes that the run's map had before it, by stamp;
     milestones: the node ids of the planned route home; claimed: the robot said that it arrived; goal_node: where it was
-    sent.
+    sent; fault: what ended the run before its time; log_state, log_note: whether all that was written of it was there
+    to be read ("whole"), and what was not.
     """
 
     world: str
@@ -73,6 +74,10 @@ class RunData:
     milestones: tuple[int, ...] = ()
     replayed: bool = False
     graph_hash: str = ""
+    topology_hash: str = ""
+    fault: str = ""
+    log_state: str = "whole"
+    log_note: str = ""
     steps_per_s: float | None = None
     stage_ms: Mapping[str, FloatArray] = field(default_factory=dict)
     earlier: Mapping[int, FloatArray] = field(default_factory=dict)

@@ -140,7 +140,7 @@ def _spec(folder: Path, spec_file: Path | None) -> GridSpec:
         return _known(folder)
     try:
         spec = GridSpec.model_validate(tomllib.loads(path.read_text(encoding="utf8")))
-    except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise DataError(f"{path}: can't be read: {error}") from error
     except ValidationError as error:
         first = error.errors()[0]

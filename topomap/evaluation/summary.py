@@ -61,6 +61,9 @@ def summarise(run: RunData) -> Summary:
             "collisions": way.collisions,
         },
         "graph_hash": run.graph_hash,
+        "topology_hash": run.topology_hash,
+        "fault": run.fault or None,
+        "log": {"state": run.log_state, "note": run.log_note or None},
         "versions": plain(run.versions),
     }
 
@@ -90,11 +93,14 @@ def write_summary(path: Path, summary: Summary) -> None:
 
 
 def write_whole(path: Path, content: str | bytes) -> None:
-    """Write text or bytes to a file so that nobody ever sees half of it; raises OSError."""
+    """Write text or bytes to a file so that nobody ever sees half of it, not even after a power cut; raises OSError."""
     path.parent.mkdir(parents=True, exist_ok=True)
     temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
     try:
-        temporary.write_bytes(content.encode() if isinstance(content, str) else content)
+        with temporary.open("xb") as file:
+            file.write(content.encode() if isinstance(content, str) else content)
+            file.flush()
+            os.fsync(file.fileno())
         temporary.replace(path)
     finally:
         temporary.unlink(missing_ok=True)

@@ -27,7 +27,17 @@ def table_rows(summary: Summary) -> list[tuple[str, str]]:
         ("curvature", _scale(_part(summary, "curvature"), ".5f", " rad/m")),
         ("home", _home(home)),
         ("graph hash", str(summary["graph_hash"])[:16] or MISSING),
+        *_troubles(summary),
     ]
+
+
+def _troubles(summary: Summary) -> list[tuple[str, str]]:
+    """Return a row for what ended the run and one for what its log lacks, where there is such a thing."""
+    rows = [("fault", str(summary["fault"]))] if summary.get("fault") else []
+    log = summary.get("log")
+    if isinstance(log, Mapping) and log["state"] != "whole":
+        rows.append(("log", f"{log['state']}: {log['note']}"))
+    return rows
 
 
 def _part(summary: Summary, key: str) -> Part:

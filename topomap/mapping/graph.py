@@ -204,6 +204,20 @@ class TopoMap:
         digest.update(np.ascontiguousarray(self.poses).tobytes())
         return digest.hexdigest()
 
+    def topology_hash(self, verdicts: list[tuple[int, int, str]]) -> str:
+        """Return the SHA-256 of all but the numbers: nodes, views, edges and verdicts (stamp, match, verdict).
+
+        It is the same on every machine; poses may differ there in their last digits.
+        """
+        digest = hashlib.sha256()
+        for node in self.nodes:
+            digest.update(f"{int(node.stamp_ns)} ".encode())
+            digest.update(node.snapshot.encoded if node.snapshot else b"pose")
+        edges = [(int(c.i), int(c.j)) for c in self.closures]
+        said = [(int(stamp_ns), int(match), verdict) for stamp_ns, match, verdict in verdicts]
+        digest.update(json.dumps([self.chain, edges, said]).encode())
+        return digest.hexdigest()
+
     def restore(
         self,
         nodes: list[Node],

@@ -129,6 +129,11 @@ class Mapper:
         verdicts = [(d.candidate.query_ns, d.candidate.match, d.verdict.value, d.reason) for d in self.ledger.decisions]
         return self.map.hash(verdicts)
 
+    def topology_hash(self) -> str:
+        """Return the hash over nodes, edges and verdicts alone, which no machine's rounding changes."""
+        verdicts = [(d.candidate.query_ns, d.candidate.match, d.verdict.value) for d in self.ledger.decisions]
+        return self.map.topology_hash(verdicts)
+
     def _difference(self, panorama: Panorama) -> float:
         if self._last_snapshot < 0:
             return float("nan")

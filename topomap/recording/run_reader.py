@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import warnings
 from pathlib import Path
 from typing import TypeVar
 
@@ -35,8 +36,25 @@ TOPICS = (
 BEFORE = (20, 10)  # steps before the first closure whose panoramas are shown
 
 
+class PartialLogWarning(UserWarning):
+    """A log that was read isn't whole: it was cut off, damaged, repaired, or can't be verified."""
+
+
 def load_run(path: Path | str) -> RunData:
-    """Return a run from its log, complete or cut off.
+    """Return a run from its log, whole or not; what isn't is a PartialLogWarning and in log_state and log_note.
+
+    Where the run was cut off before its finished map was written, graph_hash is empty, there are no edges, and
+    the final trajectory and the nodes' poses are those of the online estimate. Raises DataError with one
+    line when the log can't be read or holds no whole step.
+    """
+    run = read_run(path)
+    if run.log_state != "whole":
+        warnings.warn(f"{path}: {run.log_state}: {run.log_note}", PartialLogWarning, stacklevel=2)
+    return run
+
+
+def read_run(path: Path | str) -> RunData:
+    """Return a run from its log, as `load_run` does, without a warning.
 
     Where the run was cut off before its finished map was written, graph_hash is empty, there are no edges, and
     the final trajectory and the nodes' poses are those of the online estimate. Raises DataError with one
@@ -46,7 +64,11 @@ def load_run(path: Path | str) -> RunData:
         with LogReader(path, skip_damaged=True) as log_file:
             return _load(log_file)
     except LogError as error:
-        raise DataError(str(error)) from error
+        text = str(error)
+        raise DataError(text if str(path) in text else f"{path}: {text}") from error
+    except (ValueError, TypeError, OverflowError, RecursionError, MemoryError) as error:
+        # what is in the records is what somebody wrote: a verdict of another name, a matrix of other numbers
+        raise DataError(f"{path}: holds values that no run writes ({type(error).__name__}: {error})") from error
 
 
 def _load(log_file: LogReader) -> RunData:
@@ -90,6 +112,10 @@ def _load(log_file: LogReader) -> RunData:
         graph_hash="" if final is None else final.graph_hash,
         stage_ms=steps.stage_ms,
         steps_per_s=None if performance is None else performance.steps_per_s,
+        topology_hash=(final and final.topology_hash) or "",
+        fault=(final and final.fault) or "",
+        log_state=log_file.state.word,
+        log_note=log_file.state.note,
     )
 
 

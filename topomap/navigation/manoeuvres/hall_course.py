@@ -127,7 +127,7 @@ class HallCourse:
             self._corners.pop(0)
         if len(self._corners) < 2:
             return Command(), Travel(Phase.FAILED, 0, None, difference, 0, "the course is over and home wasn't noticed")
-        command = self._pilot.steer(pose.bearing_to(_ahead_on(*self._corners[:2], pose)), seen.ranges)
+        command = self._pilot.steer(pose.bearing_to(_ahead_on(self._corners[0], self._corners[1], pose)), seen.ranges)
         return command, Travel(Phase.TRAVEL, None, None, difference, len(self._corners) - 1)
 
     def _homeward(self, panorama: Panorama, raw: Pose2, turn: float) -> tuple[Command, Travel]:
