@@ -13,6 +13,7 @@ from topomap.mapping.mapper import Mapper
 from topomap.navigation.localiser import HERE, Localiser
 from topomap.navigation.manoeuvres.active_check import ActiveCheck
 from topomap.navigation.manoeuvres.hall_course import HallCourse
+from topomap.navigation.manoeuvres.relocalise import Relocalise
 from topomap.navigation.mission import Mission
 from topomap.navigation.navigator import Navigator
 from topomap.navigation.pilot import Pilot
@@ -33,10 +34,11 @@ def build_navigator(config: StackConfig, tests: Sequence[ClosureTest] = (), save
     mapper = Mapper(config.mapper, aligner(config.mapper.aligner), tests, saved.drive_start if saved else None)
     localiser = Localiser(saved.start if saved else HERE)
     active = ActiveCheck(config.active, Pilot(travel.pilot), homing)
+    relocalise = Relocalise(Pilot(travel.pilot))
     course = None
     if config.mission.wish.kind is Kind.HALL:
         course, mapper.explores = HallCourse(config.hall, Pilot(travel.pilot), homing), True
-    return Navigator(mapper, localiser, Mission(config.mission), Traveller(travel, homing), active, course)
+    return Navigator(mapper, localiser, Mission(config.mission), Traveller(travel, homing), active, relocalise, course)
 
 
 def versions() -> dict[str, str]:

@@ -152,7 +152,8 @@ class MapChange:
     """What one step did to the map.
 
     difference: image difference to the last snapshot (NaN before the first); place: best match among the nodes
-    outside the recent past; solved: whether the back end moved the poses.
+    outside the recent past; solved: whether the back end moved the poses; broken: why the odometry of this step isn't
+    believed, in plain words ("" where it is).
     """
 
     pose: Pose2
@@ -163,6 +164,7 @@ class MapChange:
     decisions: tuple[Decision, ...] = ()
     solved: bool = False
     calibration: CalibrationState | None = None
+    broken: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,10 +13,11 @@ import networkx as nx
 import numpy as np
 
 from topomap.core.arrays import Float32Array, FloatArray, IntArray
-from topomap.core.geometry import Pose2, compose, wrap_all
+from topomap.core.geometry import Pose2, between, compose, wrap_all
 from topomap.core.recorded import RecordedRig
 from topomap.mapping.experience import Experience
-from topomap.mapping.odometry.increments import Calibration, Increments, integrate, leading, track
+from topomap.mapping.odometry.gap import bridged
+from topomap.mapping.odometry.increments import Calibration, Increments, integrate, track
 from topomap.mapping.optimizer.problem import ClosureEdge, TurnEdge
 
 BETWEEN_DRIVES_NS = 3_600_000_000_000
@@ -129,6 +130,15 @@ class TopoMap:
                 delta, _, _ = integrate(self._increments[before, node], calibration)
                 self.poses[node] = compose(self.poses[before], delta)
 
+    def place(self, node: int, pose: Pose2) -> None:
+        """Move a node and all behind it on the chain as a whole, so that it lies at `pose`; before it is a gap then."""
+        k = self.chain.index(node)
+        before, rest = self.chain[k - 1], np.array(self.chain[k:])
+        moved = compose(pose.array(), between(self.poses[node], self.poses[rest]))
+        target = self.pose(before).to(pose)
+        self._increments[before, node] = bridged(self._increments[before, node], self.calibration, target)
+        self.poses[rest] = moved
+
     def shift(self, nodes: IntArray, poses: FloatArray) -> None:
         """Set the poses (n, 3) of some nodes (n,)."""
         self.poses[nodes] = poses
@@ -146,16 +156,6 @@ class TopoMap:
     def node_named(self, name: int) -> int | None:
         """Return the node of a number for people, None where the map has none of that number."""
         return self.names.index(name) if name in self.names else None
-
-    def hang(self, first: int, pose: Pose2) -> None:
-        """Move a drive as a whole: its first node, a jump, to a pose, and all that come after it on the chain."""
-        place = self.chain.index(first)
-        before, after = self.chain[place - 1], self.chain[place:]
-        moved = pose @ self.pose(first).inverse()
-        self.poses[after] = compose(moved.array(), self.poses[after])
-        gap = self._increments[before, first]
-        deltas = leading(self.pose(before).to(pose), self.calibration)[None]
-        self._increments[before, first] = replace(gap, deltas=deltas)
 
     def odometry_edges(self) -> Iterator[tuple[int, int, Increments]]:
         """Yield (a, b, increments) along the chain."""

@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 from pydantic import BaseModel, Field
 
 from topomap.core.geometry import Pose2
 from topomap.core.panorama import Panorama
 from topomap.core.recorded import RecordedRig
-from topomap.core.records import Candidate, Decision, MapChange, NodeAdded, PlaceMatch, Verdict
+from topomap.core.records import Candidate, Decision, MapChange, NodeAdded, PlaceMatch
 from topomap.core.robot import Reading
 from topomap.core.view_size import parse_view
 from topomap.mapping.closures.closure_tests import ClosureTest
 from topomap.mapping.closures.ledger import Ledger
 from topomap.mapping.closures.online import Closing, ClosingSettings
 from topomap.mapping.graph import Snapshot, TopoMap
+from topomap.mapping.odometry.watch import OdometryWatch
 from topomap.mapping.optimisation import Optimisation, OptimisationSettings
 from topomap.mapping.places.recognition import Recognition, RecognitionSettings
 from topomap.mapping.places.small_view import small_view, snapshot_of
@@ -60,16 +60,21 @@ class Mapper:
         self.optimisation = Optimisation(settings.optimisation, aligner, self.map)
         self._settings = settings.snapshots
         self._rule = make_rule(settings.snapshots)
-        self._recognition = Recognition(settings.recognition)
+        self.recognition = Recognition(settings.recognition)
         self._closing = Closing(
             settings.closing, aligner, self.track, self.view_cache, self.ledger, self.optimisation, tests
         )
+        self._watch = OdometryWatch()
         self._previous: Panorama | None = None
         self._last_snapshot = -1
         self._kept_at = 0.0
-        self._resumed = resumed
-        self.first = 0
+        self._stamp_ns = 0
+        self._gap: int | None = None  # the node behind a gap in the odometry, while nobody knows where it lies
+        self._before_gap = 0
+        self.lost = False  # whoever localises says so: nothing is claimed to be seen again by one who is lost
         self.explores = False  # the robot shows itself the way: snapshots are kept though nobody drives it
+        self.first: int | None = None  # the node that this drive began with
+        self._resumed = resumed
         if resumed:
             self._recall()
 
@@ -78,7 +83,7 @@ class Mapper:
         self.optimisation.resume()
         for node in self.map.chain:
             if self.map.nodes[node].snapshot is not None:
-                self._recognition.recall(node, self.map.nodes[node].travel, self.view_cache.panorama(node))
+                self.recognition.recall(node, self.map.nodes[node].travel, self.view_cache.panorama(node))
 
     def seen(self, panorama: Panorama) -> Panorama:
         """Return a view as the map keeps views: what place search, compass and homing compare."""
@@ -89,11 +94,14 @@ class Mapper:
 
         panorama: its view as `seen` returns it.
         """
-        self._move(reading)
+        broken = self._watch.judge(panorama, reading.motion) if self.map.nodes else ""
+        self._stamp_ns = reading.stamp_ns
+        self._move(reading, bool(broken) or self._watch.doubted)
+        if broken:
+            self._part(broken)
         difference = self._difference(panorama)
-        added = self._keep(reading, panorama, difference)
+        added = self._keep(reading, panorama, difference, broken)
         place, decisions = self._recognise(reading.stamp_ns, panorama)
-        self._join(decisions)
         solved, reviewed = self._correct(reading.stamp_ns)
         self._previous = panorama
         return MapChange(
@@ -105,15 +113,35 @@ class Mapper:
             (*decisions, *reviewed),
             solved,
             self.optimisation.state if solved else None,
+            broken,
         )
 
-    def _move(self, reading: Reading) -> None:
+    @property
+    def located(self) -> int:
+        """How many snapshots, of the first ones, lie where the map has them: those before a gap that is open."""
+        return len(self.recognition) if self._gap is None else self._before_gap
+
+    def relocate(self, pose: Pose2) -> None:
+        """Let the robot be at `pose` in the map frame: what lies behind an open gap is moved there, else a gap opens.
+
+        Whoever calls is sure; the map keeps it as a gap, over which closures then have to agree.
+        """
+        gap = self.track.node_at(self._stamp_ns) if self._gap is None else self._gap
+        if gap == self.map.chain[0]:
+            return
+        there = self.track.pose.to(self.map.pose(gap))
+        self.map.place(gap, pose @ there)
+        self.track.restart()
+        self._closing.forget(self._stamp_ns)
+        self._gap = None
+
+    def _move(self, reading: Reading, broken: bool) -> None:
         """Extend the track; the first reading on a loaded map begins another drive."""
-        if self._resumed and self._previous is None:
+        if self._resumed and self.first is None:
             start = self._resumed
-            self.track.begin_drive(reading.stamp_ns, start.pose, start.covariance, self._recognition.far)
+            self.track.begin_drive(reading.stamp_ns, start.pose, start.covariance, self.recognition.far)
         else:
-            self.track.advance(reading.stamp_ns, reading.motion)
+            self.track.advance(reading.stamp_ns, reading.motion, broken)
 
     def testify(self, candidate: Candidate, agrees: bool, reason: str) -> None:
         """Take what an active check saw of a pending closure; its verdict comes with the next step."""
@@ -140,18 +168,29 @@ class Mapper:
         last = self.view_cache.panorama(self._last_snapshot)
         return rotation_difference(signature(panorama), signature(last))[0]
 
-    def _keep(self, reading: Reading, panorama: Panorama, difference: float) -> tuple[NodeAdded, ...]:
+    def _part(self, reason: str) -> None:
+        """Begin anew behind a gap: what comes isn't compared with what was before it."""
+        self._previous, self._last_snapshot = None, -1
+        if self._gap is None:
+            self._before_gap = len(self.recognition)
+        self._closing.forget(self._stamp_ns)
+
+    def _keep(self, reading: Reading, panorama: Panorama, difference: float, broken: str) -> tuple[NodeAdded, ...]:
         """Store a snapshot where the rule asks for one while being taught; on a journey, now and then a pose node."""
         shown = reading.driven or self.explores
-        reason = self._reason(panorama, difference, shown)
+        reason = broken or self._reason(panorama, difference, shown)
         if not reason:
             return ()
         self._kept_at = self.track.travel
         taught = shown or not self.map.nodes
         snapshot = self._snapshot(reading, panorama) if taught else None
         node = self.track.node_at(reading.stamp_ns, snapshot)
-        if self._previous is None:
+        if self.first is None:
             self.first = node
+            if self._resumed and self._resumed.anywhere:
+                self._gap, self._before_gap = node, len(self.recognition)
+        if broken:
+            self._gap = node
         if taught:
             self._remember(node, panorama)
         return (NodeAdded(node, reading.stamp_ns, self.map.pose(node), taught, reason),)
@@ -172,7 +211,7 @@ class Mapper:
 
     def _remember(self, node: int, panorama: Panorama) -> None:
         self.view_cache.put(node, panorama)
-        self._recognition.add(node, self.track.travel, panorama)
+        self.recognition.add(node, self.track.travel, panorama)
         if self._last_snapshot >= 0:
             self.optimisation.sequential.compare(self._last_snapshot, node, self.view_cache)
         self._last_snapshot = node
@@ -180,27 +219,11 @@ class Mapper:
     def _recognise(self, stamp_ns: int, panorama: Panorama) -> tuple[PlaceMatch | None, tuple[Decision, ...]]:
         """Look among the older places and judge what is proposed."""
         travel = self.track.travel
-        reachable = self._closing.within_reach(self._recognition.old_nodes(travel))
-        place = self._recognition.update(stamp_ns, travel, panorama, reachable)
-        return place, self._closing.judge(stamp_ns, self._recognition.proposal())
-
-    def _join(self, decisions: tuple[Decision, ...]) -> None:
-        """Hang a drive that could begin anywhere where its first closures say."""
-        if not self._resumed or not self._resumed.anywhere:
-            return
-        for decision in decisions:
-            closure = decision.candidate
-            if decision.verdict is Verdict.ACCEPTED and closure.query is not None and closure.match < self.first:
-                there = self.map.pose(closure.match) @ closure.relative
-                self.hang(there @ self.map.pose(closure.query).inverse() @ self.map.pose(self.first))
-                return
-
-    def hang(self, pose: Pose2) -> None:
-        """Let this drive have begun at a pose, and be no longer one that could begin anywhere; needs a loaded map."""
-        assert self._resumed
-        self._resumed = replace(self._resumed, anywhere=False)
-        self.map.hang(self.first, pose)
-        self.track.restart()
+        reachable = self._closing.within_reach(self.recognition.old_nodes(travel))
+        place = self.recognition.update(stamp_ns, travel, panorama, reachable)
+        if self.lost or self._gap is not None:
+            return place, self._closing.judge(stamp_ns, None)
+        return place, self._closing.judge(stamp_ns, self.recognition.proposal())
 
     def _correct(self, stamp_ns: int) -> tuple[bool, list[Decision]]:
         solved, reviewed = self.optimisation.update(stamp_ns, self.ledger)

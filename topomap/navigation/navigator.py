@@ -9,6 +9,7 @@ from topomap.mapping.mapper import Mapper
 from topomap.navigation.localiser import Localiser
 from topomap.navigation.manoeuvres.active_check import ActiveCheck
 from topomap.navigation.manoeuvres.hall_course import HallCourse
+from topomap.navigation.manoeuvres.relocalise import LOST, Relocalise
 from topomap.navigation.mission import Mission
 from topomap.navigation.stopwatch import Stopwatch
 from topomap.navigation.traveller import Traveller
@@ -24,6 +25,7 @@ class Navigator:
         mission: Mission,
         traveller: Traveller,
         active: ActiveCheck,
+        relocalise: Relocalise,
         course: HallCourse | None = None,
     ) -> None:
         """course: drives instead of the traveller, where that is the mission."""
@@ -33,6 +35,7 @@ class Navigator:
         self._traveller = traveller
         self._active = active
         self._course = course
+        self._relocalise = relocalise
 
     @property
     def over(self) -> bool:
@@ -56,11 +59,15 @@ class Navigator:
         watch.lap("panorama")
         change = self.mapper.update(reading, panorama)
         watch.lap("map")
-        where = self._localiser.update(self.mapper, change)
+        where = self._localiser.update(panorama, self.mapper, change, reading.driven)
         goal = self._mission.goal(reading.driven, self.mapper.map)
         watch.lap("localise")
-        travels = goal.phase is Phase.TRAVEL and self._course is None
-        checked = self._active.step(panorama, reading.contact, self.mapper) if travels else None
+        self.mapper.lost = where.lost > LOST
+        checked = None
+        if self._course is None:
+            checked = self._relocalise.step(panorama, reading.contact, where, goal, self.mapper.track)
+        if checked is None and goal.phase is Phase.TRAVEL and self._course is None:
+            checked = self._active.step(panorama, reading.contact, self.mapper)
         if checked is not None:
             self._traveller.pause()
         turn = self.mapper.track.turn
