@@ -10,8 +10,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from logs.errors import LogError
 from logs.header import Header
 from logs.recorder import Recorder
@@ -22,7 +20,7 @@ from sim2d.robot import SimRobot
 from topomap.app.config import RunConfig
 from topomap.app.folder import RunFolder
 from topomap.app.interrupt import Stop, stop_on_signal
-from topomap.app.saved_map import MAP, SavedMap
+from topomap.app.saved_map import SavedMap, begun_with, write_truths
 from topomap.app.stored_config import parse_stored
 from topomap.app.warm_up import warm_up
 from topomap.app.wiring import build_navigator, versions
@@ -30,8 +28,7 @@ from topomap.core.errors import ConfigError, DataError, RobotFault
 from topomap.core.records import Phase, StepRecord
 from topomap.core.robot import Reading, Robot, TruthSource
 from topomap.core.run_data import RunData, TrueCalibration
-from topomap.evaluation.summary import summarise, write_summary, write_whole
-from topomap.evaluation.trajectory import true_pose
+from topomap.evaluation.summary import summarise, write_summary
 from topomap.mapping.graph import TopoMap
 from topomap.mapping.mapfile import save_map
 from topomap.mapping.sessions.condense import condense
@@ -40,7 +37,6 @@ from topomap.navigation.runner import run
 from topomap.recording.encode import run_header
 from topomap.recording.recorder import FinalMap, MapNow, RunRecorder
 from topomap.recording.run_reader import read_run
-from topomap.recording.true_nodes import ATTACHMENT, Truths, truth_file, truths_text
 from topomap.report.report import write_report
 
 Progress = Callable[[int], None]
@@ -166,22 +162,8 @@ def execute(
         navigator = build_navigator(config.stack, saved=saved)
         fault = _logged(robot, truth, header, config, folder, progress, most_steps, meet, navigator, stopped, begun)
         result = _concluded(folder, stopped, fault)
-        _write_truths(read_run(folder.log), navigator.mapper.map, saved.truths if saved else {}, folder)
+        write_truths(read_run(folder.log), navigator.mapper.map, saved, folder.map)
         return replace(result, failure=navigator.failure)
-
-
-def _write_truths(data: RunData, topo: TopoMap, known: Truths, folder: RunFolder) -> None:
-    """Write the true poses of the map's nodes beside it, where they are known: for metrics of later runs on it."""
-    if data.truth is None:
-        return
-    own = dict(known)
-    for node in data.nodes:
-        pose = true_pose(data, node.stamp_ns)
-        if np.isfinite(pose).all():
-            x, y, heading = pose.tolist()
-            own[topo.names[node.node]] = x, y, heading
-    if own:
-        write_whole(truth_file(folder.map), truths_text(own))
 
 
 def _logged(
@@ -304,16 +286,7 @@ def open_log(path: Path, settings: Iterable[str] = ()) -> StoredRun:
                 f"--set {word}: a replay takes settings of the stack alone (stack.*), the drive is history"
             )
     config, notes = parse_stored(_stored(robot, path), f"{path}: its stored configuration", words)
-    return StoredRun(robot, config, notes, _begun_with(robot, config))
-
-
-def _begun_with(robot: ReplayRobot, config: RunConfig) -> SavedMap | None:
-    """Return the map that a log's run went on with, if it did. Raises DataError."""
-    try:
-        begun = robot.attachment(MAP)
-        return SavedMap.of(begun, config.stack.mission, robot.attachment(ATTACHMENT)) if begun else None
-    except LogError as error:
-        raise DataError(str(error)) from error
+    return StoredRun(robot, config, notes, begun_with(robot, config.stack.mission))
 
 
 def _stored(robot: ReplayRobot, path: Path) -> dict[str, Any]:

@@ -6,7 +6,15 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import numpy as np
+
+from logs.errors import LogError
+from logs.replay import ReplayRobot
+from topomap.core.errors import DataError
 from topomap.core.geometry import Pose2
+from topomap.core.run_data import RunData
+from topomap.evaluation.summary import write_whole
+from topomap.evaluation.trajectory import true_pose
 from topomap.mapping.graph import TopoMap
 from topomap.mapping.mapfile import from_bytes, load_map, to_bytes
 from topomap.mapping.sessions.drive_start import DriveStart
@@ -63,3 +71,26 @@ def _checked(topo: TopoMap, mission: MissionSettings, truths: Truths) -> SavedMa
         goals_of(mission.wish, topo)
     start = ANYWHERE if mission.start == UNKNOWN else Start(node=find(topo, mission.start))
     return SavedMap(topo, start, truths)
+
+
+def begun_with(robot: ReplayRobot, mission: MissionSettings) -> SavedMap | None:
+    """Return the map that a log's run went on with, if it did. Raises DataError."""
+    try:
+        begun = robot.attachment(MAP)
+        return SavedMap.of(begun, mission, robot.attachment(ATTACHMENT)) if begun else None
+    except LogError as error:
+        raise DataError(str(error)) from error
+
+
+def write_truths(run: RunData, topo: TopoMap, saved: SavedMap | None, map_file: Path) -> None:
+    """Write the true poses of a run's nodes beside its map, where they are known: for metrics of later runs on it."""
+    if run.truth is None:
+        return
+    own = dict(saved.truths) if saved else {}
+    for node in run.nodes:
+        pose = true_pose(run, node.stamp_ns)
+        if np.isfinite(pose).all():
+            x, y, heading = pose.tolist()
+            own[topo.names[node.node]] = x, y, heading
+    if own:
+        write_whole(truth_file(map_file), truths_text(own))
