@@ -94,6 +94,11 @@ class Recognition:
         self._nodes.append(node)
         self._travel.append(travel)
 
+    def recall(self, node: int, travel: float, panorama: Panorama) -> None:
+        """Make a node of a loaded map findable, and learn from it how different other places look."""
+        self._learn(signature(panorama), travel)
+        self.add(node, travel, panorama)
+
     def old_nodes(self, travel: float) -> IntArray:
         """Return the snapshot nodes that lie far enough back on the way to be seen again."""
         return np.array(self._nodes[: self._old(travel)])
@@ -126,6 +131,11 @@ class Recognition:
         places = np.searchsorted(np.array(self._nodes), reachable)
         rivals = self._matches(*self.index.search(view, SHORTLIST, old))
         return self._matches(places, self.index.compare(view, places)), rivals
+
+    @property
+    def far(self) -> float:
+        """The way after which a place can be seen again [m]."""
+        return self._s.min_travel
 
     @property
     def limit(self) -> float:
