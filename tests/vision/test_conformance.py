@@ -10,7 +10,7 @@ from functools import cache
 import numpy as np
 import pytest
 import tolerances as table
-from scenes import around, marker_view, view
+from scenes import around, marker_view, plain_floor_view, view
 
 from topomap.core.errors import DataError, ShapeError
 from topomap.core.geometry import TAU, Pose2, wrap
@@ -30,7 +30,9 @@ COLUMN = Rig(1, 100, 49.5, 114.6)
 
 
 def seen(name: str, pose: Pose2) -> Panorama:
-    return marker_view(pose) if name == "alv-markers" else view(pose, 2)
+    if name == "alv-markers":
+        return marker_view(pose)
+    return plain_floor_view(pose, 2) if name in table.ON_A_PLAIN_FLOOR else view(pose, 2)
 
 
 @cache

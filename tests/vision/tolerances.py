@@ -3,46 +3,69 @@
 from __future__ import annotations
 
 METHOD: dict[str, float] = {
-    "alv": 10.0,
+    "alv": 5.0,
+    "alv-sift": 8.0,
     "alv-markers": 10.0,  # in a room of markers
-    "acv": 10.0,
+    "acv": 5.0,
     "delv": 3.0,
-    "delv-quantised": 20.0,
-    "mfdid-gradient": 20.0,
+    "delv-quantised": 14.0,
+    "mfdid-gradient": 14.0,
     "mfdid-newton": 8.0,
     "warping-1d": 10.0,
     "warping-2d": 10.0,
+    "dp-warping": 4.0,
     "min-warping": 6.0,
     "moment-centroid": 12.0,
-    "moment-centroid-rgb": 20.0,
-    "moment-2": 20.0,
+    "moment-centroid-rgb": 15.0,
+    "moment-2": 15.0,
     "moment-3": 10.0,
     "moment-pixel": 10.0,
+    "moment-equal": 10.0,
+    "moment-rgb": 15.0,
+    "moment-hsv-threshold": 10.0,
     "moment-area": 5.0,
+    "moment-area-equal": 5.0,
     "moment-area-rgb": 5.0,
     "moment-area-hsv": 8.0,
-    "moment-ground": 50.0,  # the ground line of a textured floor is rough
+    "moment-ground": 15.0,
+    "moment-ground-equal": 12.0,
+    "moment-ground-rgb": 18.0,
+    "moment-ground-area-equal": 12.0,
+    "moment-ground-area-rgb": 15.0,
+    "moment-polynomial": 12.0,
     "area-centroid": 3.0,
     "convergence-point": 10.0,
-    "bipolar-masks": 25.0,
-    "pixel-landmarks": 45.0,
-    "pixel-landmarks-range": 30.0,
+    "convergence-point-4": 10.0,
+    "scan-matching": 0.3,
+    "bipolar-matching": 20.0,
+    "bipolar-inverse": 8.0,
+    "bipolar-masks": 20.0,
+    "pixel-landmarks": 16.0,
+    "pixel-landmarks-range": 15.0,
     "stationary-1d": 8.0,
     "stationary-2d": 8.0,
     "dtw-wing": 5.0,
     "dtw-unifying": 5.0,
+    "dtw-wing-2d": 5.0,
+    "dtw-unifying-2d": 5.0,
+    "dtw-joined": 5.0,
     "dtw-inhibited": 5.0,
     "dtw-swing": 6.0,
+    "dtw-unmoved": 5.0,
     "epipolar": 2.0,
-    "auto": 3.0,
+    "fusion": 1.0,
+    "avoiding": 2.0,
+    "auto": 1.0,
+    "auto-fast": 0.5,
 }
 REFERENCES: dict[str, float] = {
-    "comalv-references": 45.0,
-    "mcomalv": 45.0,
-    "did": 20.0,
-    "did-far": 35.0,
-    "masks-3": 30.0,
-    "masks-3-even": 30.0,
+    "comalv-references": 25.0,
+    "mcomalv": 28.0,
+    "did": 13.0,
+    "did-far": 24.0,
+    "masks-3": 16.0,
+    "masks-3-even": 15.0,
+    "masks-3-best": 16.0,
 }
 POLICIES: dict[str, tuple[float, int]] = {  # within [m] of the goal after so many looks, from 0.5 m
     "did-basic": (0.25, 60),
@@ -51,9 +74,19 @@ POLICIES: dict[str, tuple[float, int]] = {  # within [m] of the goal after so ma
     "did-newton-4": (0.25, 35),
     "did-newton-8": (0.25, 60),
     "run-down": (0.3, 60),
+    "run-down-grey": (0.3, 60),
+    "run-down-threshold": (0.3, 60),
+    "run-down-sorting": (0.3, 60),
+    "run-down-rgb": (0.3, 60),
 }
 NO_CLAIM = {
     "alv-all",
+    "alv-sum",
+    "alv-laser",
+    "delv-laser",
+    "bipolar-alone",
+    "skyline",
+    "masks-3-printed",
     "delv-full",
     "comalv",
     "comalv-edges",
@@ -62,7 +95,20 @@ NO_CLAIM = {
     "moment-colour-only",
 }
 """Methods that don't claim homing: tested against their analytic fields (test_fields.py)."""
-METRIC = {"delv": 0.1, "delv-quantised": 0.6, "area-centroid": 0.1, "auto": 0.1}
+ON_A_PLAIN_FLOOR = {name for name in METHOD if name.startswith("moment-ground")} | {
+    "moment-polynomial",
+    "pixel-landmarks",
+}
+"""The ground line of a patterned floor is a line of the pattern."""
+METRIC = {
+    "delv": 0.1,
+    "delv-quantised": 0.6,
+    "area-centroid": 0.1,
+    "scan-matching": 0.02,
+    "avoiding": 0.02,
+    "auto": 0.1,
+    "auto-fast": 0.1,
+}
 """Methods that give a distance, and its relative error in the mean."""
 ALIGNER: dict[str, tuple[float, float]] = {  # mean error [deg] at 0.1 m and at 0.5 m, any rotation
     "visual-compass": (3.0, 12.0),
@@ -78,6 +124,8 @@ ALIGNER: dict[str, tuple[float, float]] = {  # mean error [deg] at 0.1 m and at 
     "convergence-points": (3.0, 6.0),
     "epipolar": (1.0, 1.0),
     "auto": (1.0, 1.0),
+    "auto-fast": (1.0, 1.0),
+    "scan-compass": (0.3, 0.3),
 }
 EXACT_AT_HOME = 1e-6
 BLIND = 0.35

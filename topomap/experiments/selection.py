@@ -12,11 +12,12 @@ from topomap.experiments.routes import RouteModel
 from topomap.experiments.study import Finding, Lab, away_from_home, draw_bars, row_values
 from topomap.report.figures import style
 from topomap.vision.arena import Arena
-from topomap.vision.homing.run_down import FIELDS
+from topomap.vision.homing.run_down import FIELDS, Selection
 from topomap.vision.image.colour_features import horizon
 from topomap.vision.image.pixel_selection import equalised, landmark_count
 
 ROOM = "a1original"
+CHOICES: tuple[tuple[str, Selection], ...] = (("all", "all"), ("chosen", "automatic"))
 
 
 def pixel_selection(lab: Lab) -> Finding:
@@ -27,9 +28,9 @@ def pixel_selection(lab: Lab) -> Finding:
     left, right = figure.subplots(1, 2)
     _draw_counts(left, arena, counts)
     variants = [
-        Pairwise(f"M{k + 1}, {'chosen' if chosen else 'all'} columns", RouteModel(k, chosen))
+        Pairwise(f"M{k + 1}, {label} columns", RouteModel(k, chosen))
         for k in range(len(FIELDS))
-        for chosen in (False, True)
+        for label, chosen in CHOICES
     ]
     rows = lab.rows(ROOM, variants)
     draw_bars(right, f"route models without distances, {ROOM}", {one.name: rows[one.name] for one in variants})

@@ -212,8 +212,7 @@ def test_what_does_not_fit_is_taken_up_three_times() -> None:
     claims, odd = together(drive, 20.0)
     found, rounds, _ = rounds_of(drive, claims, even(30.0))
     assert found.inlier.tolist() == (~odd).tolist()
-    assert found.reason[6] == "the map makes it unlikely"  # too far off to be asked about once more
-    assert np.isneginf(found.log_odds[6])
+    assert found.reason[6] == "likely, but the map can't fit it beside the others"
     assert rounds == batch.TRIES + 1 == 4  # in the last there is nothing left to take up
 
 

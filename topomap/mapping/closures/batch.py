@@ -162,8 +162,8 @@ class Batch:
         self._tries[chosen] += 1
 
     def _solve(self, which: IntArray, settings: OptimizerSettings) -> None:
-        self._map, solution = self._drive.solve(self._map, self._claims[which], settings)
-        self._standing = which[solution.closure_weights > 0]
+        self._map, inlier = self._drive.solve(self._map, self._claims[which], settings)
+        self._standing = which[inlier]
 
     def _settle(self) -> BoolArray:
         """Weigh every claim by the map and solve with the likely ones until nothing strains it; return these (M,)."""
@@ -200,9 +200,10 @@ class Batch:
         network, label = self._network(), self._clusters.label
         errors, member = self._beside_standing(network)
         others = np.flatnonzero(~member & self._allowed[label])
-        own = self._claims[others]
-        chi2, _ = mahalanobis(own, self._map.poses, network.upper_bounds(own.i, own.j))
-        others = others[chi2 <= 2 * GATE]
+        if len(others) > FEW:
+            own = self._claims[others]
+            chi2, _ = mahalanobis(own, self._map.poses, network.upper_bounds(own.i, own.j))
+            others = others[chi2 <= 2 * GATE]
         errors[others] = network.errors(self._claims.i[others], self._claims.j[others])
         near = np.union1d(others, np.flatnonzero(member))
         self._odds[:] = -np.inf

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
-from topomap.core.arrays import FloatArray
+from topomap.core.arrays import BoolArray, FloatArray
 from topomap.mapping.closures.claims import Claims
-from topomap.mapping.odometry.increments import Calibration
-from topomap.mapping.optimizer import AxisEdge, OdometryEdges, OptimizerSettings, Problem, Solution, TurnEdge, solve
+from topomap.mapping.odometry.increments import Calibration, Preintegrated
+from topomap.mapping.optimizer import AxisEdge, HeldSolver, OdometryEdges, OptimizerSettings, Problem, TurnEdge, solve
 from topomap.mapping.uncertainty.odometry_chain import Chain
 
 HELD = (1e-6, 1e-6, 1e-6)  # prior sigmas of an odometry that has no systematic error to find
@@ -24,7 +25,7 @@ class MapState:
     covariance: FloatArray
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Drive:
     """N places in travel order, 0 to N - 1, joined by odometry.
 
@@ -45,11 +46,16 @@ class Drive:
 
     def chain(self, state: MapState) -> Chain:
         """Return the errors of odometry along a map."""
-        edges = self.edges.increments.integrate(state.calibration)
+        edges = (
+            self._integrated if state.calibration == self.prior else self.edges.increments.integrate(state.calibration)
+        )
         return Chain.of(state.poses, edges, state.calibration, state.covariance)
 
-    def solve(self, state: MapState, closures: Claims, settings: OptimizerSettings) -> tuple[MapState, Solution]:
-        """Return the map with closures, from a map as it was, and the optimizer's own words on it."""
+    def solve(self, state: MapState, closures: Claims, settings: OptimizerSettings) -> tuple[MapState, BoolArray]:
+        """Return the map with closures, from a map as it was, and which of them (n,) are in. Raises TopomapError."""
+        if self._held:
+            ended = self.solver.solve(state.poses, closures.closures(), settings)
+            return replace(state, poses=ended.poses), ended.inlier
         problem = Problem(
             state.poses,
             self.edges,
@@ -61,4 +67,18 @@ class Drive:
             axes=self.axes,
         )
         solution = solve(problem, settings)
-        return MapState(solution.poses, solution.calibration, solution.calibration_covariance), solution
+        found = MapState(solution.poses, solution.calibration, solution.calibration_covariance)
+        return found, solution.closure_weights > 0
+
+    @property
+    def _held(self) -> bool:
+        return max(self.sigmas) <= max(HELD) and not self.turns and not self.axes
+
+    @cached_property
+    def _integrated(self) -> Preintegrated:
+        return self.edges.increments.integrate(self.prior)
+
+    @cached_property
+    def solver(self) -> HeldSolver:
+        """The solver for an odometry without systematic errors."""
+        return HeldSolver(self.edges, self.prior)

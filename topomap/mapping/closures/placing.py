@@ -17,13 +17,14 @@ def placed(poses: FloatArray, chain: Chain, new: Claims) -> FloatArray:
     """Return poses (N, 3) in which no new claim across a gap is turned far from what it says; chain: tells the gaps."""
     result = poses
     variance = np.diff(chain.random[:, 2, 2])
+    if not bool((variance >= UNKNOWN).any()):
+        return poses
     for i, j, claimed in zip(new.i.tolist(), new.j.tolist(), new.relative, strict=True):
         if abs(wrap(float(between(result[i], result[j])[2] - claimed[2]))) <= FAR_TURNED:
             continue
         weakest = int(np.argmax(variance[i:j]))
-        if (
-            variance[i + weakest] < UNKNOWN
-        ):  # no gap: drift is the optimizer's, and moving parts one by one made it worse
+        # no gap: drift is the optimizer's, and moving parts one by one made it worse
+        if variance[i + weakest] < UNKNOWN:
             continue
         first = i + 1 + weakest
         wanted = compose(result[i], claimed)

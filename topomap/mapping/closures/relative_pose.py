@@ -12,8 +12,8 @@ from topomap.core.arrays import Float32Array, FloatArray
 from topomap.core.geometry import Pose2, wrap
 from topomap.core.panorama import Panorama
 from topomap.mapping.closures.appearance import Look
-from topomap.mapping.odometry.scan_match import MEASURED, SEEN, ScanMatch, Surfaces, match_scans
 from topomap.vision.image.ground_line import ground_ranges
+from topomap.vision.matching.scan_match import MEASURED, SEEN, ScanMatch, Surfaces, match_scans
 
 
 class RelativePoseSettings(BaseModel, frozen=True, extra="forbid"):

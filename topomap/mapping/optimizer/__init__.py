@@ -1,5 +1,6 @@
 """The door to gtsam: a pose graph with unknown odometry errors in, corrected poses out."""
 
+from topomap.mapping.optimizer.held_solver import HeldSolver
 from topomap.mapping.optimizer.problem import (
     AxisEdge,
     ClosureEdge,
@@ -19,6 +20,7 @@ __all__ = [
     "AxisEdge",
     "ClosureEdge",
     "Closures",
+    "HeldSolver",
     "OdometryEdge",
     "OdometryEdges",
     "OptimizerSettings",

@@ -26,7 +26,7 @@ NOISE, CLEAR = 0.08, 0.35
 
 
 @lru_cache(maxsize=8)
-def _movements(n: int, phases: int, levels: int, step: float) -> tuple[IntArray, IntArray, IntArray]:
+def movements(n: int, phases: int, levels: int, step: float) -> tuple[IntArray, IntArray, IntArray]:
     """Return for each x [columns] the shifts y [columns], (n, T), their planes (n, T) and how many there are
     (n,).
     """
@@ -85,7 +85,7 @@ def warp(current: WarpingView, goal: WarpingView, prior: float | None = None, wi
     n = goal.edges.shape[3]
     floor = goal.spec.floor * float(goal.sums[0, 0].mean() + current.sums[0, 0].mean())
     planes = scale_planes(goal.edges, current.edges, goal.sums, current.sums, floor)
-    shifts, scales, counts = _movements(n, goal.edges.shape[1], goal.spec.levels, goal.spec.step)
+    shifts, scales, counts = movements(n, goal.edges.shape[1], goal.spec.levels, goal.spec.step)
     first, width = rotations(prior, window, n)
     cost = warping_search(planes, shifts, scales, counts, np.arange(n), first, width)
     sample = cost if width == n else warping_search(planes, shifts, scales, counts, np.arange(0, n, 9), 0, n)

@@ -8,7 +8,7 @@ import numpy as np
 
 from topomap.core.arrays import Float32Array, FloatArray
 from topomap.core.geometry import wrap
-from topomap.mapping.odometry.scan_kernels import normal_equations, surfaces
+from topomap.vision.matching.scan_kernels import normal_equations, surfaces
 
 
 @dataclass(frozen=True, slots=True)

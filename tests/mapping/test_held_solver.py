@@ -1,0 +1,77 @@
+"""The solver of pose graphs without systematic errors: against dense algebra, and against the general solver."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from lapped import lapped
+
+from topomap.core.arrays import FloatArray
+from topomap.core.errors import TopomapError
+from topomap.mapping.closures.batch import CLOSING
+from topomap.mapping.closures.drive import HELD
+from topomap.mapping.optimizer import HeldSolver, Problem, solve
+from topomap.mapping.optimizer.block_cholesky import BlockPattern
+
+
+def _matrix(nodes: int, edges: int, seed: int) -> tuple[BlockPattern, FloatArray, FloatArray]:
+    """A positive definite matrix over a random graph, as blocks and as it is."""
+    rng = np.random.default_rng(seed)
+    pairs = np.array([rng.choice(nodes, 2, replace=False) for _ in range(edges)])
+    pattern = BlockPattern(nodes, pairs[:, 0], pairs[:, 1])
+    blocks, dense = pattern.blocks(), np.zeros((3 * nodes, 3 * nodes))
+    for (i, j), at in zip(pairs.tolist(), pattern.at.tolist(), strict=True):
+        a = rng.normal(size=(3, 6))
+        part = a.T @ a + 0.1 * np.eye(6)
+        rows = np.concatenate([3 * i + np.arange(3), 3 * j + np.arange(3)])
+        dense[np.ix_(rows, rows)] += part
+        blocks[pattern.first[pattern.place[i]]] += part[:3, :3]
+        blocks[pattern.first[pattern.place[j]]] += part[3:, 3:]
+        blocks[at] += part[:3, 3:] if pattern.place[i] > pattern.place[j] else part[3:, :3]
+    dense += np.eye(3 * nodes)
+    blocks[pattern.first[:-1]] += np.eye(3)
+    return pattern, blocks, dense
+
+
+@pytest.mark.parametrize(("nodes", "edges", "seed"), [(2, 1, 0), (30, 40, 1), (60, 400, 2), (40, 10, 3)])
+def test_the_factor_solves_as_dense_algebra_does(nodes: int, edges: int, seed: int) -> None:
+    pattern, blocks, dense = _matrix(nodes, edges, seed)
+    right = np.random.default_rng(seed).normal(size=(nodes, 3))
+    assert pattern.factor(blocks)
+    assert pattern.solve(blocks, right).ravel() == pytest.approx(np.linalg.solve(dense, right.ravel()), abs=1e-9)
+    assert pattern.log_determinant(blocks) == pytest.approx(np.linalg.slogdet(dense)[1])
+
+
+def test_a_matrix_that_is_not_positive_definite_has_no_factor() -> None:
+    pattern, blocks, _ = _matrix(10, 20, 0)
+    blocks[pattern.first[4]] -= 100 * np.eye(3)
+    assert not pattern.factor(blocks)
+
+
+@pytest.mark.parametrize("blind", [False, True])
+def test_it_ends_where_the_general_solver_ends(blind: bool) -> None:
+    drive, claims, _ = lapped(laps=3).engine_input()
+    if blind:
+        claims.covariance[::2, 2, 2] = 100.0
+    problem = Problem(drive.poses, drive.edges, claims.closures(), prior_sigmas=HELD)
+    general = solve(problem, CLOSING)
+    ended = drive.solver.solve(drive.poses, claims.closures(), CLOSING)
+    assert ended.inlier.tolist() == (general.closure_weights > 0).tolist()
+    assert ended.poses == pytest.approx(general.poses, abs=2e-3)
+
+
+def test_the_same_closures_reordered_end_in_the_same_place() -> None:
+    drive, claims, _ = lapped(laps=3).engine_input()
+    solver = HeldSolver(drive.edges, drive.prior)
+    one = solver.solve(drive.poses, claims.closures(), CLOSING)
+    back = np.arange(len(claims))[::-1]
+    other = solver.solve(drive.poses, claims[back].closures(), CLOSING)
+    assert other.poses == pytest.approx(one.poses, abs=1e-9)
+    assert other.inlier[back].tolist() == one.inlier.tolist()
+
+
+def test_an_odometry_that_says_nothing_is_undetermined() -> None:
+    drive, claims, _ = lapped(laps=3).engine_input()
+    drive.solver.odometry.information[5] = 0.0
+    with pytest.raises(TopomapError, match="isn't determined"):
+        drive.solver.solve(drive.poses, claims[:0].closures(), CLOSING)
