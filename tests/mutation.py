@@ -149,9 +149,13 @@ def _short(node: ast.AST) -> str:
 
 def chosen(folders: list[str], sample: int, seed: int) -> list[Mutant]:
     """Return the mutants of some folders, or a sample of so many."""
-    files = [str(path.relative_to(ROOT)) for one in folders for path in sorted((ROOT / one).rglob("*.py"))]
+    files = [str(path.relative_to(ROOT)) for one in folders for path in _sources(ROOT / one)]
     every = [mutant for file in files if not file.endswith(("__init__.py", "_pb2.py")) for mutant in mutants(file)]
     return every if not sample or sample >= len(every) else random.Random(seed).sample(every, sample)
+
+
+def _sources(place: Path) -> list[Path]:
+    return [place] if place.is_file() else sorted(place.rglob("*.py"))
 
 
 def survives(mutant: Mutant, copied: Path) -> bool:
