@@ -44,6 +44,7 @@ NOT_HERE = {
     "make demo": "installs into .venv; it then runs the first command of the list",
     "make test": "this is it",
     "make bench": "takes an hour",
+    "make mutate": "takes an hour",
 }
 
 
