@@ -57,6 +57,10 @@ class ClosureEngine:
             return test.reason(claims, knowledge)
         return f"the test '{test.name}' speaks against it"
 
+    def beside_odometry(self, claims: Claims, knowledge: Knowledge) -> FloatArray:
+        """Return the log odds of n claims by the tests that may speak for a claim: looks, prevalence, a user's own."""
+        return np.asarray(sum((t.weigh(claims, knowledge) for t in self.tests if not t.lowers), np.zeros(len(claims))))
+
     def decide(self, stamp_ns: int, candidate: Candidate, verdict: Verdict, reason: str) -> Decision:
         """Write a verdict into the ledger, with the reason in plain words, and return it."""
         return self.ledger.decide(stamp_ns, candidate, verdict, reason)
