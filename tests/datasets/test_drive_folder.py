@@ -144,6 +144,29 @@ def test_a_wrong_rig_is_named(posed: Path, tmp_path: Path, rig: dict[str, object
         read_folder(tmp_path)
 
 
+def test_what_the_rig_doesnt_tell_is_told_to_be_assumed(posed: Path, tmp_path: Path) -> None:
+    for name in ("images", "drive.csv"):
+        (tmp_path / name).symlink_to(posed / name)
+    drive = read_folder(tmp_path)
+    said = " ".join(drive.notes)
+    assert "tells no horizon_row: eye level" in said
+    assert "tells no camera_height" in said
+    assert drive.rig.forward_column == drive.rig.width // 2
+
+
+@pytest.mark.data
+def test_eye_level_of_recorded_drives_is_found_or_said_to_be_unclear(data_dir: Path, tmp_path: Path) -> None:
+    for name, row in (("antworld-loop", 119.5), ("outdoor-loop", None)):
+        (tmp_path / name).mkdir()
+        for part in ("images", "drive.csv"):
+            (tmp_path / name / part).symlink_to(data_dir / "drives" / name / part)
+        drive = read_folder(tmp_path / name)
+        if row is None:
+            assert "isn't clear" in " ".join(drive.notes)
+        else:
+            assert drive.rig.horizon_row == pytest.approx(row, abs=1.0)
+
+
 def test_made_odometry_reads_the_drawn_errors(posed: Path) -> None:
     drive = thinned(scaled(read_folder(posed), 10.0), 2)
     quiet = MadeErrors(forward_noise=0.0, turn_noise=0.0)
