@@ -17,8 +17,9 @@ from sim2d.errors import WorldError
 from sim2d.events import Events
 from sim2d.laser import Laser
 from sim2d.odometer import Odometer, joined
+from sim2d.odometry_faults import OdometryFaults
 from sim2d.path import of_route
-from sim2d.records import EPOCH_NS, CameraRig, OdometerReading, SimReading, SimTruth, TrueCalibration
+from sim2d.records import EPOCH_NS, CameraRig, OdometerReading, SetDown, SimReading, SimTruth, TrueCalibration
 from sim2d.streams import stream
 from sim2d.way import Way
 from sim2d.world import World
@@ -42,7 +43,8 @@ class SimRobot:
     commands: same readings.
     """
 
-    def __init__(self, world: World, config: SimConfig, seed: int) -> None:
+    def __init__(self, world: World, config: SimConfig, seed: int, set_down: SetDown | None = None) -> None:
+        """set_down: where it begins with the route behind it and nobody driving; None: where the route begins."""
         self.world = world
         self._config = config
         self._driver = Driver(
@@ -52,7 +54,11 @@ class SimRobot:
         )
         path = self._driver.path
         world.add_people(crowd(path, config.people, stream(seed, "people"), config.body.max_speed))
-        self._body = Body(world, config.body, *path.at(0.0), path.heading(0.0))
+        self._driven = set_down is None
+        if set_down is not None:
+            self._driver.progress = path.length
+        start = (*path.at(0.0), path.heading(0.0)) if set_down is None else set_down.pose
+        self._body = Body(world, config.body, *start)
         self._camera = Camera(
             config.camera, stream(seed, "image noise"), stream(seed, "camera body"), config.floor_gloss
         )
@@ -64,10 +70,12 @@ class SimRobot:
         self._odometer = Odometer(config.odometer, *streams)
         self._way = Way(config.body.step, (self._body.x, self._body.y, self._body.heading))
         self._events = Events(world, config, self._body, self._driver, self._camera)
+        self._faults = OdometryFaults(config.odometry_faults, stream(seed, "odometry faults"))
         self._wheels = (0.0, 0.0)
-        self._driven = True
         self._stopped = False
-        self._steps = -1
+        self._first = 0 if set_down is None else set_down.step
+        self._steps = self._first - 1
+        self._handed_over = None if self._driven else self._first
 
     @property
     def true_calibration(self) -> TrueCalibration:
@@ -97,8 +105,9 @@ class SimRobot:
         if self._stopped:
             return None
         self._steps += 1
-        motion = self._move() if self._steps else self._odometer.read(0.0, 0.0, 0.0)
-        while self._steps and self._frame_is_missing():
+        begun = self._steps > self._first
+        motion = self._move() if begun else self._odometer.read(0.0, 0.0, 0.0)
+        while begun and self._frame_is_missing():
             self._steps += 1
             motion = joined(motion, self._move())
         image, encoded = self._shoot()
@@ -153,19 +162,22 @@ class SimRobot:
                 raise WorldError(f"the driver has been stuck for {STUCK_S:g} s at {at}: the route can't be driven so")
             # the reading at standstill is the first that the stack answers
             self._driven = not self._driver.done
+            self._handed_over = None if self._driven else self._steps
         self._events.before_step(seconds)
         way, turn = self._body.advance(*self._wheels, dt)
         blocked = self._body.wanted(self._wheels[0], dt) - way
         place = self._body.x, self._body.y
-        if self._events.carry_away(seconds + dt):
+        alone = None if self._handed_over is None else (self._steps - self._handed_over) * dt
+        if self._events.carry_away(seconds + dt, alone):
             self._way = Way(dt, (self._body.x, self._body.y, self._body.heading))
         else:
             self._way.extend((*place, self._body.heading))
-        return self._odometer.read(way, turn, dt, blocked, self._body.contact, place)
+        motion = self._odometer.read(way, turn, dt, blocked, self._body.contact, place)
+        return self._faults.spoil(motion, seconds + dt, alone)
 
     def _frame_is_missing(self) -> bool:
         share = self._config.camera.missing
         return share > 0 and self._missing.random() < share
 
     def _stamp(self) -> int:
-        return EPOCH_NS + max(0, self._steps) * round(self._config.body.step * 1e9)
+        return EPOCH_NS + max(self._first, self._steps) * round(self._config.body.step * 1e9)

@@ -11,6 +11,7 @@ from topomap.mapping.closures.closure_tests import ClosureTest
 from topomap.mapping.mapper import Mapper
 from topomap.navigation.localiser import Localiser
 from topomap.navigation.manoeuvres.active_check import ActiveCheck
+from topomap.navigation.manoeuvres.relocalise import Relocalise
 from topomap.navigation.mission import Mission
 from topomap.navigation.navigator import Navigator
 from topomap.navigation.pilot import Pilot
@@ -29,7 +30,8 @@ def build_navigator(config: StackConfig, tests: Sequence[ClosureTest] = ()) -> N
     homing = aligned_homing(travel.homing, travel.aligner)
     mapper = Mapper(config.mapper, aligner(config.mapper.aligner), tests)
     active = ActiveCheck(config.active, Pilot(travel.pilot), homing)
-    return Navigator(mapper, Localiser(), Mission(config.mission), Traveller(travel, homing), active)
+    relocalise = Relocalise(Pilot(travel.pilot))
+    return Navigator(mapper, Localiser(), Mission(config.mission), Traveller(travel, homing), active, relocalise)
 
 
 def versions() -> dict[str, str]:

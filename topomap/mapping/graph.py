@@ -13,8 +13,9 @@ import networkx as nx
 import numpy as np
 
 from topomap.core.arrays import Float32Array, FloatArray, IntArray
-from topomap.core.geometry import Pose2, compose, wrap_all
+from topomap.core.geometry import Pose2, between, compose, wrap_all
 from topomap.core.recorded import RecordedRig
+from topomap.mapping.odometry.gap import bridged
 from topomap.mapping.odometry.increments import Calibration, Increments, integrate, track
 from topomap.mapping.odometry.noise import AS_DECLARED, OdometerNoise
 from topomap.mapping.optimizer.problem import ClosureEdge, TurnEdge
@@ -113,6 +114,15 @@ class TopoMap:
             if node >= len(poses):
                 delta, _, _ = integrate(self._increments[before, node], calibration)
                 self.poses[node] = compose(self.poses[before], delta)
+
+    def place(self, node: int, pose: Pose2) -> None:
+        """Move a node and all behind it on the chain as a whole, so that it lies at `pose`; before it is a gap then."""
+        k = self.chain.index(node)
+        before, rest = self.chain[k - 1], np.array(self.chain[k:])
+        moved = compose(pose.array(), between(self.poses[node], self.poses[rest]))
+        target = self.pose(before).to(pose)
+        self._increments[before, node] = bridged(self._increments[before, node], self.calibration, target)
+        self.poses[rest] = moved
 
     def shift(self, nodes: IntArray, poses: FloatArray) -> None:
         """Set the poses (n, 3) of some nodes (n,)."""

@@ -8,6 +8,7 @@ from topomap.core.robot import Reading
 from topomap.mapping.mapper import Mapper
 from topomap.navigation.localiser import Localiser
 from topomap.navigation.manoeuvres.active_check import ActiveCheck
+from topomap.navigation.manoeuvres.relocalise import LOST, Relocalise
 from topomap.navigation.mission import Mission
 from topomap.navigation.stopwatch import Stopwatch
 from topomap.navigation.traveller import Traveller
@@ -17,13 +18,20 @@ class Navigator:
     """Maps, localises, decides and steers; knows no files, no bars, no plots and never the truth."""
 
     def __init__(
-        self, mapper: Mapper, localiser: Localiser, mission: Mission, traveller: Traveller, active: ActiveCheck
+        self,
+        mapper: Mapper,
+        localiser: Localiser,
+        mission: Mission,
+        traveller: Traveller,
+        active: ActiveCheck,
+        relocalise: Relocalise,
     ) -> None:
         self.mapper = mapper
         self._localiser = localiser
         self._mission = mission
         self._traveller = traveller
         self._active = active
+        self._relocalise = relocalise
 
     @property
     def over(self) -> bool:
@@ -42,10 +50,13 @@ class Navigator:
         watch.lap("panorama")
         change = self.mapper.update(reading, panorama)
         watch.lap("map")
-        where = self._localiser.update(self.mapper, change)
+        where = self._localiser.update(panorama, self.mapper, change, reading.driven)
         goal = self._mission.goal(reading.driven, self.mapper.map)
         watch.lap("localise")
-        checked = self._active.step(panorama, reading.contact, self.mapper) if goal.phase is Phase.TRAVEL else None
+        self.mapper.lost = where.lost > LOST
+        checked = self._relocalise.step(panorama, reading.contact, where, goal, self.mapper.track)
+        if checked is None and goal.phase is Phase.TRAVEL:
+            checked = self._active.step(panorama, reading.contact, self.mapper)
         if checked is not None:
             self._traveller.pause()
         turn = self.mapper.track.turn

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -68,6 +69,7 @@ class Closing:
         self._same_place = SamePlaceTest(settings.same_place)
         self._voting = Voting(settings.voting, track.map)
         self._testimonies: list[tuple[Candidate, bool, str]] = []
+        self._unsaid: list[Decision] = []
         self._reachability = Reachability(track.map, optimisation, settings.offset.position_sigma, settings.reach)
 
     def within_reach(self, nodes: IntArray) -> IntArray:
@@ -78,11 +80,19 @@ class Closing:
         """Take what an active check saw of a pending candidate; it counts in the next step."""
         self._testimonies.append((candidate, agrees, reason))
 
+    def forget(self, stamp_ns: int) -> None:
+        """Refuse all that waits for others: the odometry between them and what comes has a gap."""
+        self._testimonies.clear()
+        for candidate in self._voting.expired(math.inf):
+            reason = "the odometry broke while it waited"
+            self._unsaid.append(self._engine.decide(stamp_ns, candidate, Verdict.REFUSED, reason))
+
     def judge(self, stamp_ns: int, proposal: Proposal | None) -> tuple[Decision, ...]:
         """Return the verdicts of this step, on a proposal and on what waited for it; all are kept in the ledger."""
         late = self._voting.expired(self._track.travel)
         reason = "no other closure agreed in time, and odometry leaves several places open"
-        decisions = [self._engine.decide(stamp_ns, c, Verdict.REFUSED, reason) for c in late]
+        decisions = [*self._unsaid, *(self._engine.decide(stamp_ns, c, Verdict.REFUSED, reason) for c in late)]
+        self._unsaid.clear()
         for testimony in self._testimonies:
             decisions += self._hear(stamp_ns, *testimony)
         self._testimonies.clear()
