@@ -110,6 +110,19 @@ def study(
 
 
 @benches.command()
+def mission(
+    out: Path = typer.Option(Path("docs") / "THESIS.md", help="File for the table."),
+) -> None:
+    """Write the table of the thesis: every method, figure and table, how it is called, its test, both figures."""
+    from topomap.evaluation.summary import write_whole
+    from topomap.experiments.mission import mission_table
+
+    out.parent.mkdir(parents=True, exist_ok=True)
+    write_whole(out, mission_table())
+    console.print(str(out), soft_wrap=True)
+
+
+@benches.command()
 def places(
     folder: Path = typer.Argument(help="Folder of photographs along a route: training.csv and its path."),
     spacing: int = typer.Option(30, min=2, help="Every so-manieth image is the map."),
