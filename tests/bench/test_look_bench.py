@@ -14,6 +14,7 @@ from topomap.app.sweep import variants
 from topomap.bench.looks.fit import balanced, curves, fit
 from topomap.bench.looks.survey import Row
 from topomap.bench.pool import Store
+from topomap.core.errors import DataError
 from topomap.mapping.closures.looks import WITH_RIVALS, Weights, log_ratio
 
 DEN = str(Path(__file__).parents[1] / "helpers" / "den.toml")
@@ -79,3 +80,15 @@ def test_a_small_drive_gives_curve_and_weights(tmp_path: Path) -> None:
     table, curve = write_looks(rows, tmp_path)
     assert json.loads(table.read_text())["true"] == sum(row.true for row in rows)
     assert curve.read_bytes().startswith(b"\x89PNG")
+
+
+def test_where_all_are_true_there_is_a_curve_and_no_weights(tmp_path: Path) -> None:
+    rows = [row for row in drawn(Weights(0.0, 3.0, 0.0), 200) if row.true]
+    table, _ = write_looks(rows, tmp_path)
+    said = json.loads(table.read_text())
+    assert (said["with_rivals"], said["false"]) == (None, 0)
+
+
+def test_a_drive_without_likenesses_is_one_line() -> None:
+    with pytest.raises(DataError, match="no place looked like an older one"):
+        run_looks([], Store(None), 1, lambda _: None)

@@ -64,9 +64,10 @@ def _true(rows: Sequence[Row]) -> BoolArray:
 
 
 def said(rows: Sequence[Row]) -> dict[str, object]:
-    """Return all of it as plain values."""
+    """Return all of it as plain values; weights are None where all are true or all false."""
     found = {name: {"error": one.error, "count": int(one.count.sum())} for name, one in curves(rows).items()}
     number = {kind: sum(row.true == kind for row in rows) for kind in (True, False)}
+    both = all(number.values())
     seeds = sorted({row.seed for row in rows})
     aligned = [abs(row.rotation) < 0.35 for row in rows if not row.true]
     return {
@@ -74,7 +75,7 @@ def said(rows: Sequence[Row]) -> dict[str, object]:
         "false": number[False],
         "seeds": seeds,
         "calibration": found,
-        "with_rivals": asdict(fit(rows)),
-        "without_rivals": asdict(fit(rows, rivals=False)),
+        "with_rivals": asdict(fit(rows)) if both else None,
+        "without_rivals": asdict(fit(rows, rivals=False)) if both else None,
         "false_turned_right": sum(aligned) / max(len(aligned), 1),
     }

@@ -36,7 +36,7 @@ def calibration_curve(found: Mapping[str, Reliability]) -> Figure:
     below.set_yscale("log")
     axes.set_xlim(-0.03, 1.03)
     axes.set_ylim(-0.03, 1.05)
-    style.legend_below(figure, axes, 2)
+    style.legend_below(figure, axes, 1 if len(found) < 3 else 2)
     return figure
 
 
