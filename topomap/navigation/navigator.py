@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from topomap.core.panorama import Panorama
 from topomap.core.records import Command, Goal, Phase, StepRecord, Travel, Where
 from topomap.core.robot import Reading
@@ -10,6 +12,7 @@ from topomap.navigation.localiser import Localiser
 from topomap.navigation.manoeuvres.active_check import ActiveCheck
 from topomap.navigation.manoeuvres.relocalise import LOST, Relocalise
 from topomap.navigation.mission import Mission
+from topomap.navigation.odometry_check import OdometryCheck
 from topomap.navigation.sense_check import SenseCheck
 from topomap.navigation.senses import Senses
 from topomap.navigation.stopwatch import Stopwatch
@@ -35,6 +38,8 @@ class Navigator:
         self._active = active
         self._relocalise = relocalise
         self._sense_check = SenseCheck()
+        self._odometry = OdometryCheck()
+        self._command = Command()
 
     def take(self, mapper: Mapper) -> None:
         """Go on with the map of another mapper."""
@@ -65,20 +70,27 @@ class Navigator:
         watch = Stopwatch()
         panorama = Panorama.from_reading(reading)
         watch.lap("panorama")
+        reading = self._odometry.checked(reading, panorama, self._command, self.mapper.map.calibration)
         change = self.mapper.update(reading, panorama)
         watch.lap("map")
         where = self._localiser.update(panorama, self.mapper, change, reading.driven)
         goal = self._mission.goal(reading.driven, self.mapper.map)
         watch.lap("localise")
-        senses = self._sense_check.senses(reading, panorama, self.mapper.track.turn, change.place)
+        senses = self._sense_check.senses(reading, panorama, self.mapper.track.turn, change.place, self._odometry.amiss)
         self.mapper.lost = where.lost > LOST
         checked = self._manoeuvre(senses, where, goal)
         if checked is not None:
             self._traveller.pause()
         command, travel = checked or self._traveller.step(senses, where, goal, self.mapper)
+        travel = _with_event(travel, senses.health.event)
+        self._command = command
         self._sense_check.commanded(command)
         self._mission.report(travel)
         watch.lap("travel")
         return command, StepRecord(
             reading.stamp_ns, self.mapper.track.raw, change, where, goal, travel, command, watch.laps
         )
+
+
+def _with_event(travel: Travel, event: str) -> Travel:
+    return replace(travel, note="; ".join(filter(None, (event, travel.note)))) if event else travel
