@@ -107,14 +107,15 @@ class OdometryCheck:
         return Restated(reading, self._instead(reading.motion, way if moved else 0.0, seen, calibration))
 
     def _judge(self, motion: MotionReading, way: float, seen: float, moved: bool, told: Command) -> None:
-        still = motion.forward == 0.0 and motion.turn == 0.0
+        still = bool(motion.forward == 0.0 and motion.turn == 0.0)
         if not still:
             self.dead = False
         elif moved and told != Command():
             self.dead = True
-        self._bad_turns.append(not still and abs(wrap(motion.turn - seen)) > TURN_OFF)
+        self._bad_turns.append(bool(not still and abs(wrap(float(motion.turn) - seen)) > TURN_OFF))
         ahead = max(way, 0.0)
-        self._bad_ways.append(motion.forward > MORE * ahead + BACK or motion.forward < min(way, 0.0) - BACK)
+        untrue = motion.forward > MORE * ahead + BACK or motion.forward < min(way, 0.0) - BACK
+        self._bad_ways.append(bool(untrue))
         self.turns = sum(self._bad_turns) >= BAD or (self.turns and sum(self._bad_turns) > WELL)
         self.ways = sum(self._bad_ways) >= BAD or (self.ways and sum(self._bad_ways) > WELL)
 
