@@ -11,7 +11,7 @@ from played import taught
 from sim2d.records import SimReading
 from topomap.core.panorama import Panorama
 from topomap.core.records import Command
-from topomap.navigation.sense_check import FROZEN_STEPS, ODOMETRY_STEPS, RANGES_STEPS, SenseCheck
+from topomap.navigation.sense_check import FROZEN_STEPS, RANGES_STEPS, SenseCheck
 from topomap.navigation.senses import Senses
 
 READINGS = taught(30)
@@ -89,16 +89,6 @@ def test_rays_that_hit_nothing_are_no_range() -> None:
     ranges = checked([replace(READINGS[0], ranges=some)])[0].ranges
     assert ranges is not None
     assert np.isnan(ranges[:300]).all()
-
-
-def test_an_odometer_that_counts_nothing_while_the_view_changes_is_dead() -> None:
-    still = [replace(one, motion=replace(one.motion, forward=0.0, turn=0.0)) for one in READINGS]
-    told = checked(still)
-    assert told[ODOMETRY_STEPS - 2].health.odometry
-    assert not told[-1].health.odometry
-    assert told[-1].health.slow
-    standing = [replace(still[0])] * 20
-    assert all(senses.health.odometry for senses in checked(standing, Command()))
 
 
 def test_a_late_reading_is_one_to_be_slow_after() -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from topomap.core.panorama import Panorama
 from topomap.core.records import Command, Goal, Phase, StepRecord, Travel, Where
 from topomap.core.robot import Reading
@@ -11,6 +13,7 @@ from topomap.navigation.manoeuvres.active_check import ActiveCheck
 from topomap.navigation.manoeuvres.hall_course import HallCourse
 from topomap.navigation.manoeuvres.relocalise import LOST, Relocalise
 from topomap.navigation.mission import Mission
+from topomap.navigation.odometry_check import OdometryCheck
 from topomap.navigation.sense_check import SenseCheck
 from topomap.navigation.senses import Senses
 from topomap.navigation.stopwatch import Stopwatch
@@ -39,6 +42,8 @@ class Navigator:
         self._course = course
         self._relocalise = relocalise
         self._sense_check = SenseCheck()
+        self._odometry = OdometryCheck()
+        self._command = Command()
 
     def take(self, mapper: Mapper) -> None:
         """Go on with the map of another mapper."""
@@ -64,17 +69,20 @@ class Navigator:
         watch = Stopwatch()
         panorama = self.mapper.seen(Panorama.from_reading(reading))
         watch.lap("panorama")
+        reading = self._odometry.checked(reading, panorama, self._command, self.mapper.map.calibration)
         change = self.mapper.update(reading, panorama)
         watch.lap("map")
         where = self._localiser.update(panorama, self.mapper, change, reading.driven)
         goal = self._mission.goal(reading.driven, self.mapper.map)
         watch.lap("localise")
-        senses = self._sense_check.senses(reading, panorama, self.mapper.track.turn, change.place)
+        senses = self._sense_check.senses(reading, panorama, self.mapper.track.turn, change.place, self._odometry.amiss)
         self.mapper.lost = where.lost > LOST
         if self._course is not None:
             command, travel = self._course.step(panorama, where.pose, self.mapper.track.raw)
         else:
             command, travel = self._travel(senses, where, goal)
+        travel = _with_event(travel, senses.health.event)
+        self._command = command
         self._sense_check.commanded(command)
         self._mission.report(travel)
         watch.lap("travel")
@@ -98,3 +106,7 @@ class Navigator:
         if found is not None or goal.phase is not Phase.TRAVEL:
             return found
         return self._active.step(seen, senses.contact, self.mapper)
+
+
+def _with_event(travel: Travel, event: str) -> Travel:
+    return replace(travel, note="; ".join(filter(None, (event, travel.note)))) if event else travel

@@ -1,4 +1,4 @@
-"""The senses watched over: a camera that shows nothing or stands still, ranges and odometry that have died."""
+"""The senses watched over: a camera that shows nothing or stands still, ranges that have died."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from topomap.core.panorama import Panorama
 from topomap.core.records import Command, PlaceMatch
 from topomap.core.robot import Reading
 from topomap.navigation.senses import Health, Senses
-from topomap.vision.image.compare import rotation_difference, shrunk, signature
+from topomap.vision.image.compare import shrunk
 
 BLANK = 1.5
 """[grey levels] Standard deviation of the shrunk view below which it shows nothing: sensor noise leaves 0.2, the
@@ -26,10 +26,6 @@ RANGES_SHARE = 0.02
 """Share of rays with a range below which there are none: an empty hall of 40 m still gives some."""
 RANGES_STEPS = 3
 """Steps without before they count as lost."""
-ODOMETRY_STEPS = 8
-"""Steps of driving without an odometer's move before the odometer is suspected: 2 s."""
-CHANGED = 0.25
-"""Difference between views over these steps above which the robot moved though the odometer says it didn't."""
 LATE = 3.0
 """Share of the usual time between readings above which one is late."""
 
@@ -42,8 +38,6 @@ class SenseCheck:
         self._same = 0
         self._had_ranges = False
         self._without = 0
-        self._driving: deque[tuple[float, float, Panorama]] = deque(maxlen=ODOMETRY_STEPS)
-        self._odometry = True
         self._usual: deque[float] = deque(maxlen=25)
         self._command = Command()
         self._said: set[str] = set()
@@ -52,21 +46,22 @@ class SenseCheck:
         """Take what the wheels were told."""
         self._command = command
 
-    def senses(self, reading: Reading, panorama: Panorama, turn: float, place: PlaceMatch | None) -> Senses:
-        """Return what was sensed, and what of it can be relied on."""
+    def senses(
+        self, reading: Reading, panorama: Panorama, turn: float, place: PlaceMatch | None, odometry: str = ""
+    ) -> Senses:
+        """Return what was sensed, and what of it can be relied on; odometry: what is wrong with it, in words."""
         stop = self._camera(reading, panorama)
         ranges = self._ranges(panorama)
-        self._odometer(reading, panorama)
         blind = self._had_ranges and ranges is None
         late = self._is_late(reading.motion.dt)
         amiss = {
             stop: bool(stop),
             "ranges lost: going on slowly, by contact": blind,
-            "odometry dead: the view goes on and it counts nothing": not self._odometry,
+            odometry: bool(odometry),
         }
         event = self._event({what for what, is_so in amiss.items() if is_so})
         self._last = reading
-        health = Health(stop, blind or late or not self._odometry, self._odometry, event)
+        health = Health(stop, blind or late or bool(odometry), event)
         return Senses(reading.stamp_ns, panorama, turn, reading.contact, health, ranges, place)
 
     def _event(self, amiss: set[str]) -> str:
@@ -98,20 +93,6 @@ class SenseCheck:
         if self._without >= RANGES_STEPS or not self._had_ranges:
             return None
         return np.where(valid, panorama.ranges, np.float32(np.nan)).astype(np.float32)
-
-    def _odometer(self, reading: Reading, panorama: Panorama) -> None:
-        """Suspect an odometer that counts nothing while the wheels were told to drive and the view changes."""
-        motion = reading.motion
-        if self._command.forward < 0.1 or reading.driven:
-            self._driving.clear()
-            return
-        self._driving.append((abs(motion.forward), abs(motion.turn), panorama))
-        way, turn = sum(step[0] for step in self._driving), sum(step[1] for step in self._driving)
-        if way > MOVED or turn > TURNED:
-            self._odometry = True
-        elif len(self._driving) == ODOMETRY_STEPS:
-            first = signature(self._driving[0][2])
-            self._odometry = rotation_difference(signature(panorama), first)[0] < CHANGED
 
     def _is_late(self, dt: float) -> bool:
         usual = float(np.median(self._usual)) if self._usual else dt

@@ -14,13 +14,12 @@ from topomap.mapping.mapper import Mapper
 
 @dataclass(frozen=True, slots=True)
 class Health:
-    """What can be relied on. stop: why the wheels must stand ("" for none); slow: half speed at most; odometry:
-    whether it works; event: what has just changed, in plain words.
+    """What can be relied on. stop: why the wheels must stand ("" for none); slow: half speed at most; event: what has
+    just changed, in plain words.
     """
 
     stop: str = ""
     slow: bool = False
-    odometry: bool = True
     event: str = ""
 
 
