@@ -55,6 +55,8 @@ class Mapper:
             self.map.view = settings.snapshots.view
         self._size = parse_view(self.map.view)
         self.view_cache = ViewCache(self.map)
+        self._large = ViewCache(self.map, 2)  # the last two snapshots as the camera saw them
+        self._whole: Panorama | None = None
         self.ledger = Ledger()
         self.track = Track(self.map)
         self.optimisation = Optimisation(settings.optimisation, aligner, self.map)
@@ -87,6 +89,7 @@ class Mapper:
 
     def seen(self, panorama: Panorama) -> Panorama:
         """Return a view as the map keeps views: what place search, compass and homing compare."""
+        self._whole = panorama
         return panorama if self._size is None else small_view(panorama, self._size)
 
     def update(self, reading: Reading, panorama: Panorama) -> MapChange:
@@ -212,8 +215,9 @@ class Mapper:
     def _remember(self, node: int, panorama: Panorama) -> None:
         self.view_cache.put(node, panorama)
         self.recognition.add(node, self.track.travel, panorama)
-        if self._last_snapshot >= 0:
-            self.optimisation.sequential.compare(self._last_snapshot, node, self.view_cache)
+        self._large.put(node, self._whole or panorama)
+        if self._last_snapshot >= 0:  # what isn't kept of a view helps while it is at hand
+            self.optimisation.sequential.compare(self._last_snapshot, node, self._large)
         self._last_snapshot = node
 
     def _recognise(self, stamp_ns: int, panorama: Panorama) -> tuple[PlaceMatch | None, tuple[Decision, ...]]:
