@@ -5,6 +5,7 @@ from __future__ import annotations
 from topomap.experiments import (
     conditions,
     converging,
+    hall,
     images,
     masks_score,
     moments,
@@ -64,6 +65,7 @@ STUDIES: dict[str, Study] = {
         ),
         Study("occlusion", "3.34", "does homing bear hidden objects?", (), occlusion.occlusion),
         Study("moved-objects", "3.35, 3.36", "does homing bear moved objects?", (), moved.moved_objects),
+        Study("hall-mission", "5.50, 5.51", "do three methods come home in the hall?", ("hall",), hall.hall_missions),
         Study("delv", "5.33", "which DELV, how fine its distances?", ORIGINAL, images.delv),
     )
 }
