@@ -13,6 +13,8 @@ RUN = "topomap.run"
 VERSIONS = "topomap.versions"
 CONFIG = "config.json"
 PLAN = "plan.json"
+WHOLE = "header.json"
+"""All of the header once more, with a checksum: metadata have none, and one flipped bit mustn't cost a log."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,9 +78,23 @@ class Header:
         """Return the attachment `plan.json`."""
         return json.dumps(asdict(self.plan)).encode()
 
+    def whole_json(self) -> bytes:
+        """Return the attachment `header.json`: all of the above once more."""
+        versions = dict(sorted(self.versions.items()))
+        whole = {"run": self.run(), "versions": versions, "config": self.config, "plan": self.plan_json().decode()}
+        return json.dumps(whole).encode()
+
+    @staticmethod
+    def of_whole(data: bytes) -> Header:
+        """Return the header of the attachment `header.json`; raises ValueError, KeyError, TypeError, RecursionError."""
+        whole = json.loads(data)
+        return Header.of(whole["run"], whole["versions"], whole["config"].encode(), whole["plan"].encode())
+
     @staticmethod
     def of(run: Mapping[str, str], versions: Mapping[str, str], config: bytes, plan: bytes) -> Header:
-        """Return the header of what was stored; raises ValueError, KeyError or TypeError."""
+        """Return the header of what was stored; raises ValueError, KeyError, TypeError, RecursionError."""
+        if run["format"] != FORMAT:
+            raise ValueError(f"log format {run['format']}, this version reads {FORMAT}")
         names = ("world", "seed", "rig", "start", "errors", "replayed")
         values = {name: json.loads(run[name]) for name in names}
         return Header(

@@ -8,6 +8,7 @@ from pathlib import Path
 from logs.header import Header
 from logs.reader import LogReader
 from logs.topics import ODOMETRY
+from logs.verify import State
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,13 +22,13 @@ class TopicInfo:
 
 @dataclass(frozen=True, slots=True)
 class LogInfo:
-    """A log's summary; note: why it isn't complete; damaged: unreadable chunks."""
+    """A log's summary; state: whether all that was written is there; damaged: unreadable chunks."""
 
     path: Path
     size: int
     header: Header
     complete: bool
-    note: str
+    state: State
     damaged: int
     steps: int
     messages: int
@@ -51,14 +52,14 @@ def info(path: Path | str) -> LogInfo:
             size=log.file.path.stat().st_size,
             header=log.header,
             complete=contents.complete,
-            note=contents.note,
+            state=log.state,
             damaged=contents.damaged,
             steps=next((topic.messages for topic in topics if topic.topic == ODOMETRY), 0),
             messages=sum(topic.messages for topic in topics),
             start_ns=min((chunk.start_ns for chunk in contents.chunks), default=0),
             end_ns=max((chunk.end_ns for chunk in contents.chunks), default=0),
             topics=topics,
-            attachments=tuple(name for name, _ in contents.attachments),
+            attachments=tuple(dict.fromkeys(name for name, _ in contents.attachments)),
         )
 
 

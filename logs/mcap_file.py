@@ -10,10 +10,14 @@ from typing import IO
 
 from mcap.records import Attachment, Message, Metadata
 
-from logs.contents import MAGIC, Contents, attachment, metadata, read_chunk, read_contents, read_record
+from logs.budget import Budget
+from logs.contents import Contents
 from logs.errors import LogError
+from logs.pieces import MAGIC, attachment, metadata, read_chunk, read_record, size_of
+from logs.verify import State, read_contents, recovered
 
-_Read = Callable[[IO[bytes], int], Sequence[Message | Attachment | Metadata | None]]
+_Read = Callable[[IO[bytes], int, Budget], Sequence[Message | Attachment | Metadata | None]]
+MAGIC_SOUND = 6  # of the eight first bytes: a flipped bit or two don't make it another kind of file
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,10 +31,10 @@ class Item:
 
 
 class McapFile:
-    """An open MCAP file; checksums are verified on everything that is read.
+    """An open MCAP file, all of whose checksums were verified when it was opened.
 
-    skip_damaged: leave out damaged chunks instead of raising. Raises LogError when the file is missing, isn't
-    an MCAP file or ends before its first record.
+    skip_damaged: leave out damaged chunks instead of raising. state: whether all that was written is there. Raises
+    LogError when the file is missing, isn't an MCAP file, ends before its first record or unpacks to too much.
     """
 
     def __init__(self, path: Path | str, skip_damaged: bool = False) -> None:
@@ -38,12 +42,18 @@ class McapFile:
         self._skip_damaged = skip_damaged
         self._file = _open(self.path)
         try:
-            self.contents: Contents = read_contents(self._file)
+            self.contents, self.state = self._read()
+            self.state = recovered(self.state, self.contents, self.metadata)
             if self.contents.damaged and not skip_damaged:
                 raise LogError(self._damage(f"{self.contents.damaged} of its chunks can't be read"))
         except BaseException:
             self._file.close()
             raise
+
+    @property
+    def size(self) -> int:
+        """The file's length [bytes]."""
+        return size_of(self._file)
 
     def items(
         self, topics: Collection[str] | None = None, start_ns: int | None = None, end_ns: int | None = None
@@ -57,7 +67,7 @@ class McapFile:
             yield Item(channel.topic, schema.name if schema else "", message.log_time, message.data)
 
     def metadata(self, name: str) -> dict[str, str] | None:
-        """Return the metadata of a name, None where there is none; raises LogError when it is damaged."""
+        """Return the last metadata of a name, or None; raises LogError when it is damaged."""
         content = self._named(name, self.contents.metadata)
         try:
             values: dict[str, str] | None = None if content is None else metadata(content).metadata
@@ -80,10 +90,11 @@ class McapFile:
         places: list[tuple[int, _Read]] = [(entry.offset, _chunk) for entry in contents.chunks]
         places += [(offset, _attachment) for _, offset in contents.attachments]
         places += [(offset, _metadata) for _, offset in contents.metadata]
+        budget = Budget.of(self.size)
         for offset, read in sorted(places, key=lambda place: place[0]):
             try:
-                records = read(self._file, offset)
-            except OSError:
+                records = read(self._file, offset, budget)
+            except (OSError, LogError):
                 raise
             except Exception:  # what can't be read is reported as such, whatever the reason
                 records = [None]
@@ -103,20 +114,32 @@ class McapFile:
     ) -> None:
         self.close()
 
+    def _read(self) -> tuple[Contents, State]:
+        try:
+            contents, state = read_contents(self._file)
+        except LogError as error:
+            raise LogError(f"{self.path}: {error}") from error
+        if not _has_magic(self._file):
+            state = State("damaged", "its first bytes aren't those of an MCAP file")
+        return contents, state
+
     def _messages(self, channels: set[int], start_ns: int | None, end_ns: int | None) -> Iterator[Message]:
         low, high = start_ns or 0, (1 << 64) if end_ns is None else end_ns
+        budget = Budget.of(self.size)
         for entry in self.contents.chunks:
             if entry.end_ns < low or entry.start_ns > high:
                 continue
             if entry.channels and not entry.channels & channels:
                 continue
-            for message in self._chunk(entry.offset):
+            for message in self._chunk(entry.offset, budget):
                 if message.channel_id in channels and low <= message.log_time <= high:
                     yield message
 
-    def _chunk(self, offset: int) -> list[Message]:
+    def _chunk(self, offset: int, budget: Budget) -> list[Message]:
         try:
-            return _chunk(self._file, offset)
+            return _chunk(self._file, offset, budget)
+        except LogError as error:
+            raise LogError(f"{self.path}: {error}") from error
         except ValueError as error:
             if self._skip_damaged:
                 return []
@@ -131,15 +154,15 @@ class McapFile:
         return f"{self.path}: damaged, {what}; repair it into a new file first"
 
 
-def _chunk(file: IO[bytes], offset: int) -> list[Message]:
-    return [record for record in read_chunk(file, offset) if isinstance(record, Message)]
+def _chunk(file: IO[bytes], offset: int, budget: Budget) -> list[Message]:
+    return [record for record in read_chunk(file, offset, budget) if isinstance(record, Message)]
 
 
-def _attachment(file: IO[bytes], offset: int) -> list[Attachment]:
+def _attachment(file: IO[bytes], offset: int, _: Budget) -> list[Attachment]:
     return [attachment(_content(file, offset))]
 
 
-def _metadata(file: IO[bytes], offset: int) -> list[Metadata]:
+def _metadata(file: IO[bytes], offset: int, _: Budget) -> list[Metadata]:
     return [metadata(_content(file, offset))]
 
 
@@ -153,12 +176,17 @@ def _content(file: IO[bytes], offset: int) -> bytes:
 def _open(path: Path) -> IO[bytes]:
     try:
         file = path.open("rb")
-    except OSError as error:
-        raise LogError(f"{path}: can't be read ({error.strerror})") from error
-    magic = file.read(len(MAGIC))
-    if magic == MAGIC:
+        magic = file.read(len(MAGIC))
+    except (OSError, ValueError) as error:
+        raise LogError(f"{path}: can't be read ({getattr(error, 'strerror', error)})") from error
+    if len(magic) == len(MAGIC) and sum(a == b for a, b in zip(magic, MAGIC, strict=True)) >= MAGIC_SOUND:
         return file
     file.close()
     if MAGIC.startswith(magic):
         raise LogError(f"{path}: cut off before its first record ({len(magic)} bytes)")
     raise LogError(f"{path}: not an MCAP file")
+
+
+def _has_magic(file: IO[bytes]) -> bool:
+    file.seek(0)
+    return file.read(len(MAGIC)) == MAGIC

@@ -9,11 +9,13 @@ from types import TracebackType
 from typing import TypeVar
 
 from logs import header as head
+from logs.budget import gathered_limit
 from logs.errors import LogError
 from logs.header import Header
 from logs.mcap_file import Item, McapFile
 from logs.schemas import codec, foxglove
 from logs.topics import PANORAMA
+from logs.verify import State
 
 R = TypeVar("R")
 
@@ -41,6 +43,11 @@ class LogReader:
             raise
 
     @property
+    def state(self) -> State:
+        """Whether all that was written is there."""
+        return self.file.state
+
+    @property
     def complete(self) -> bool:
         """Whether the log was closed properly."""
         return self.file.contents.complete
@@ -55,9 +62,13 @@ class LogReader:
             yield item.stamp_ns, codec.decode(kind, item.data)
 
     def gather(self, topics: Collection[str]) -> Gathered:
-        """Return all messages of some topics, read in one pass."""
+        """Return all messages of some topics, read in one pass; raises LogError for more than a log holds."""
         rows: dict[str, list[Item]] = {topic: [] for topic in topics}
+        left = gathered_limit(self.file.size)
         for item in self.file.items(topics):
+            left -= len(item.data)
+            if left < 0:
+                raise LogError(f"{self.file.path}: its messages are larger than any log of its size holds")
             rows[item.topic].append(item)
         return Gathered(rows)
 
@@ -84,6 +95,22 @@ class LogReader:
 
 
 def _header(file: McapFile) -> Header:
+    return _whole_header(file) or _header_in_parts(file)
+
+
+def _whole_header(file: McapFile) -> Header | None:
+    """Return the header that has a checksum, None where it is missing, as in old logs, or damaged."""
+    try:
+        whole = file.attachment(head.WHOLE)
+    except LogError:
+        return None
+    try:
+        return None if whole is None else Header.of_whole(whole)
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+        raise LogError(f"{file.path}: its header can't be read ({error})") from error
+
+
+def _header_in_parts(file: McapFile) -> Header:
     run = file.metadata(head.RUN)
     if run is None:
         cut = "" if file.contents.complete else ", or cut off inside its header"
@@ -95,5 +122,5 @@ def _header(file: McapFile) -> Header:
         raise LogError(f"{file.path}: cut off inside its header")
     try:
         return Header.of(run, file.metadata(head.VERSIONS) or {}, config, plan)
-    except (ValueError, KeyError, TypeError) as error:
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise LogError(f"{file.path}: its header can't be read ({error})") from error

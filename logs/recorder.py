@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import time
+from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 from typing import IO
@@ -29,7 +31,7 @@ class Recorder:
 
     Finished steps are handed to the operating system every `flush_seconds` of run time and of wall time (that
     is enough to survive a killed process) and to the disk once per wall second (for a power cut). An existing
-    file is replaced. Raises LogError when the file can't be written.
+    file is replaced, a symbolic link isn't followed. Raises LogError when the file can't be written.
     """
 
     def __init__(
@@ -48,11 +50,10 @@ class Recorder:
         self._waiting_stamp = 0  # the first that isn't flushed
         self._flushed_at = self._synced_at = time.monotonic_ns()
         self._closed = False
-        try:
-            self._file: IO[bytes] = self._path.open("wb")
-        except OSError as error:
-            raise LogError(f"{self._path}: can't be written ({error.strerror})") from error
-        self._writer = Writer(self._file, chunk_size=chunk_size, compression=_COMPRESSIONS[compression])
+        self._file = _create(self._path)
+        self._writer = Writer(
+            self._file, chunk_size=chunk_size, compression=_COMPRESSIONS[compression], enable_data_crcs=True
+        )
         self._begin(header)
 
     @staticmethod
@@ -60,11 +61,19 @@ class Recorder:
         """Open a log as the configuration says."""
         return Recorder(path, header, config.compression)
 
+    def check(self, stamp_ns: int) -> None:
+        """Raise LogError for a stamp that no log can hold: one before the last, or none of 64 bits."""
+        if not 0 <= stamp_ns < 1 << 63:
+            raise LogError(f"{self._path}: {stamp_ns} is no stamp in nanoseconds")
+        if self._stamp is not None and stamp_ns < self._stamp:
+            raise LogError(f"{self._path}: stamps run backwards, {stamp_ns} after {self._stamp}")
+
     def write(self, stamp_ns: int, topic: str, record: object) -> None:
         """Write one record; raises LogError for stamps that run backwards, a wrong record or a full disk."""
         if type(record) is not TOPICS[topic]:
             raise LogError(f"{topic} carries {TOPICS[topic].__name__}, not {type(record).__name__}")
         if stamp_ns != self._stamp:
+            self.check(stamp_ns)
             self._next_step(stamp_ns)
         own = type(record) in codec.MESSAGES
         data = codec.encode(record) if own else foxglove.encode(record, stamp_ns)
@@ -105,7 +114,8 @@ class Recorder:
         except OSError as error:
             raise self._failed(error) from error
         finally:
-            self._file.close()
+            with suppress(OSError):  # closing writes what is left once more, and fails once more
+                self._file.close()
 
     def __enter__(self) -> Recorder:
         return self
@@ -122,17 +132,19 @@ class Recorder:
             self._writer.add_metadata(head.VERSIONS, dict(sorted(header.versions.items())))
             self._writer.add_attachment(0, 0, head.CONFIG, "application/json", header.config.encode())
             self._writer.add_attachment(0, 0, head.PLAN, "application/json", header.plan_json())
+            self._writer.add_attachment(0, 0, head.WHOLE, "application/json", header.whole_json())
             self._file.flush()
             os.fsync(self._file.fileno())
+            _sync_folder(self._path.parent)
         except OSError as error:
+            with suppress(OSError):  # as in `close`
+                self._file.close()
             raise self._failed(error) from error
 
     def _next_step(self, stamp_ns: int) -> None:
         """Flush between two steps, never inside one, so that a chunk holds whole steps."""
         if self._stamp is None:
             self._waiting_stamp = stamp_ns
-        elif stamp_ns < self._stamp:
-            raise LogError(f"{self._path}: stamps run backwards, {stamp_ns} after {self._stamp}")
         elif max(stamp_ns - self._waiting_stamp, time.monotonic_ns() - self._flushed_at) >= self._flush_ns:
             self.flush()
             self._waiting_stamp = stamp_ns
@@ -154,3 +166,23 @@ class Recorder:
 
     def _failed(self, error: OSError) -> LogError:
         return LogError(f"{self._path}: writing failed ({error.strerror})")
+
+
+def _create(path: Path) -> IO[bytes]:
+    try:
+        number = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_NOFOLLOW | os.O_CLOEXEC, 0o666)
+    except OSError as error:
+        link = error.errno == errno.ELOOP
+        why = "it is a symbolic link, which isn't followed" if link else error.strerror
+        raise LogError(f"{path}: can't be written ({why})") from error
+    return os.fdopen(number, "wb")
+
+
+def _sync_folder(folder: Path) -> None:
+    """See that a new file's name is on the disk as well; where a folder can't be synced there is nothing to do."""
+    with suppress(OSError):
+        number = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(number)
+        finally:
+            os.close(number)

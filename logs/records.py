@@ -270,7 +270,12 @@ class Edge:
 
 @dataclass(frozen=True, slots=True)
 class Final:
-    """The finished map: trajectory (N stamps, N * 3 values row by row, map frame), nodes, edges, identity."""
+    """The finished map: trajectory (N stamps, N * 3 values row by row, map frame), nodes, edges, identity.
+
+    kept: which of several maps this is, and why; way_noise, turn_noise: what the odometry's declared variances were
+    taken times, None where nothing told;
+    fault: what ended the run before its time, None where nothing did.
+    """
 
     stamps_ns: tuple[int, ...]
     poses: tuple[float, ...]
@@ -280,3 +285,8 @@ class Final:
     graph_hash: str
     claimed: bool | None
     goal_node: int | None
+    topology_hash: str | None = None
+    fault: str | None = None
+    kept: str | None = None
+    way_noise: float | None = None
+    turn_noise: float | None = None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,34 +13,52 @@ from mcap.writer import Writer
 
 from logs.errors import LogError
 from logs.mcap_file import McapFile
+from logs.verify import RECOVERED, State
 
 
 @dataclass(frozen=True, slots=True)
 class Recovery:
-    """What was saved: messages, attachments and metadata; damaged: chunks and other records left out."""
+    """What was saved: messages, attachments and metadata; damaged: chunks and other records left out; state: the
+    source's, which the repaired log tells as well."""
 
     messages: int
     attachments: int
     metadata: int
     damaged: int
+    state: State
 
 
 def recover(source: Path | str, target: Path | str) -> Recovery:
     """Copy all that is readable, in the order it was written, into a new file with an index.
 
-    Raises LogError when the source can't be read at all, or the target exists already or can't be written.
+    Raises LogError when the source can't be read at all, or the target exists already or can't be written; a target
+    that can't be written wholly isn't left behind.
     """
     with McapFile(source, skip_damaged=True) as file:
         try:
             with Path(target).open("xb") as out:
-                return _copy(file, out)
+                return _whole_or_nothing(file, out, Path(target))
         except OSError as error:
             raise LogError(f"{target}: can't be written ({error.strerror})") from error
 
 
+def _whole_or_nothing(file: McapFile, out: IO[bytes], target: Path) -> Recovery:
+    try:
+        saved = _copy(file, out)
+        out.flush()
+        os.fsync(out.fileno())
+    except BaseException:
+        target.unlink(missing_ok=True)
+        raise
+    return saved
+
+
 def _copy(file: McapFile, out: IO[bytes]) -> Recovery:
-    writer, counts = Writer(out), Counter[type]()
+    writer, counts = Writer(out, enable_data_crcs=True), Counter[type]()
     writer.start("", "topomap recover")
+    if not file.state.whole:
+        said = f"{file.state.word}: {file.state.note}"
+        writer.add_metadata(RECOVERED, {"state": said, "damaged": str(file.contents.damaged)})
     channels = _Channels(file, writer)
     for record in file.everything():
         counts[type(record)] += 1
@@ -53,7 +72,7 @@ def _copy(file: McapFile, out: IO[bytes]) -> Recovery:
             writer.add_metadata(record.name, record.metadata)
     writer.finish()
     damaged = counts[type(None)] + file.contents.damaged
-    return Recovery(counts[Message], counts[Attachment], counts[Metadata], damaged)
+    return Recovery(counts[Message], counts[Attachment], counts[Metadata], damaged, file.state)
 
 
 class _Channels:

@@ -10,12 +10,15 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from logs.budget import IMAGE_LIMIT
 from logs.errors import LogError
 from logs.header import Header, Rig
+from logs.image_size import image_size
 from logs.reader import LogReader
 from logs.records import Odometry, Truth
 from logs.schemas import codec, foxglove
 from logs.topics import ODOMETRY, PANORAMA, RANGES, TRUTH
+from logs.verify import State
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,8 +49,8 @@ class Reading:
 class ReplayRobot:
     """Plays a log back; fits `topomap.core.robot.Robot` and `TruthSource`; raises LogError as `LogReader`."""
 
-    def __init__(self, path: Path | str) -> None:
-        self._log = LogReader(path)
+    def __init__(self, path: Path | str, skip_damaged: bool = False) -> None:
+        self._log = LogReader(path, skip_damaged)
         self._truth: Truth | None = None
         self._readings = self._play()
 
@@ -55,6 +58,11 @@ class ReplayRobot:
     def header(self) -> Header:
         """The log's header."""
         return self._log.header
+
+    @property
+    def state(self) -> State:
+        """Whether all that was written is there."""
+        return self._log.state
 
     @property
     def complete(self) -> bool:
@@ -66,6 +74,10 @@ class ReplayRobot:
         """How many readings the log holds."""
         contents = self._log.file.contents
         return sum(contents.counts[id] for id, one in contents.channels.items() if one.topic == ODOMETRY)
+
+    def attachment(self, name: str) -> bytes | None:
+        """Return the last attachment of a name, or None; raises LogError when it is damaged."""
+        return self._log.attachment(name)
 
     def sense(self) -> Reading | None:
         """Return the next reading, None at the end; raises LogError for a damaged one."""
@@ -92,22 +104,33 @@ class ReplayRobot:
             if item.stamp_ns != stamp:
                 parts, stamp = {}, item.stamp_ns
             parts[item.topic] = item.data
+            if item.topic == ODOMETRY and self._lost(parts):
+                continue
             if item.topic == ODOMETRY:
                 self._truth = codec.decode(Truth, parts[TRUTH]) if TRUTH in parts else None
                 yield self._reading(stamp, parts)
+
+    def _lost(self, parts: dict[str, bytes]) -> bool:
+        """Return whether a damaged chunk took panorama or ranges of a reading whose odometry is there."""
+        if not self._log.file.contents.damaged:
+            return False
+        return PANORAMA not in parts or (RANGES not in parts and codec.decode(Odometry, parts[ODOMETRY]).scanned)
 
     def _reading(self, stamp_ns: int, parts: dict[str, bytes]) -> Reading:
         odometry = codec.decode(Odometry, parts[ODOMETRY])
         if PANORAMA not in parts or (odometry.scanned and RANGES not in parts):
             raise LogError(f"{self._log.file.path}: the reading at {stamp_ns} lacks panorama or ranges")
-        encoded = foxglove.decode_image(parts[PANORAMA])
+        encoded, rig = foxglove.decode_image(parts[PANORAMA]), self._log.header.rig
+        image = decoded(encoded)
+        if image.shape != (rig.height, rig.width, 3):
+            raise LogError(f"the panorama at {stamp_ns} is {image.shape}, the rig says ({rig.height}, {rig.width}, 3)")
         return Reading(
             stamp_ns=stamp_ns,
-            image=decoded(encoded),
+            image=image,
             encoded=encoded,
             ranges=foxglove.decode_scan(parts[RANGES]) if odometry.scanned else None,
             motion=_motion(odometry),
-            rig=self._log.header.rig,
+            rig=rig,
             contact=odometry.contact,
             driven=odometry.driven,
         )
@@ -115,12 +138,17 @@ class ReplayRobot:
 
 def decoded(encoded: bytes) -> NDArray[np.uint8]:
     """Return the image (H, W, 3) RGB of its JPEG or PNG bytes; raises LogError when they aren't one."""
-    image = cv2.imdecode(np.frombuffer(encoded, np.uint8), cv2.IMREAD_COLOR) if encoded else None
+    size = image_size(encoded)
+    if size is not None and size[0] * size[1] > IMAGE_LIMIT:
+        raise LogError(f"a logged image says that it is {size[0]} x {size[1]}: more than any camera's")
+    image = None if size is None else cv2.imdecode(np.frombuffer(encoded, np.uint8), cv2.IMREAD_COLOR)
     if image is None:
         raise LogError("a logged image can't be decoded")
     return np.ascontiguousarray(image[:, :, ::-1], dtype=np.uint8)
 
 
 def _motion(odometry: Odometry) -> Motion:
+    if len(odometry.covariance) != 9:
+        raise LogError(f"an increment's covariance has {len(odometry.covariance)} numbers, not 9")
     covariance = np.array(odometry.covariance, dtype=np.float64).reshape(3, 3)
     return Motion(odometry.forward, odometry.left, odometry.turn, covariance, odometry.dt)

@@ -14,6 +14,7 @@ LOOKAHEAD = 0.4  # [m] to the point that is steered at: a second's way
 TURNED = 0.06  # [m] so near a point where the path turns back, the robot is there
 WINDOW = 0.6  # [m] how far ahead on the path the robot may have got in one step
 STEPS_TO_BRAKE = 2.0
+STUCK_S = 120.0  # without any way made: people and doors of the shipped worlds block the route for 40 s at most
 
 
 class Driver:
@@ -23,6 +24,7 @@ class Driver:
         self.path = path
         self.progress = 0.0
         self._body = body
+        self._seen, self._waited = 0.0, 0
 
     @property
     def laps(self) -> float:
@@ -34,9 +36,16 @@ class Driver:
         """Whether the route is driven."""
         return self.path.length - self.progress < 0.02
 
+    @property
+    def stuck(self) -> bool:
+        """Whether no way has been made for `STUCK_S`."""
+        return self._waited * self._body.step > STUCK_S
+
     def command(self, x: float, y: float, heading: float) -> tuple[float, float]:
         """Return forward [m/s] and turn [rad/s] for the true pose; zeros when the route is over."""
         self._follow(x, y)
+        self._waited = self._waited + 1 if self.progress == self._seen else 0
+        self._seen = self.progress
         if self.done:
             return 0.0, 0.0
         tx, ty = self._target()

@@ -60,6 +60,12 @@ def read_map(path: Path) -> FloorMap:
     return FloorMap(_largest((share < free).astype(np.uint8), path), resolution, _origin(path, values))
 
 
+def sources(path: Path) -> tuple[Path, ...]:
+    """Return a map.yaml and the picture that it names. Raises WorldError."""
+    picture = path.parent / _read(path).get("image", "")
+    return (path, picture) if picture.is_file() else (path,)
+
+
 def _read(path: Path) -> Values:
     """Return the keys of a flat YAML file; lists may be written in brackets or as lines that begin with a dash."""
     try:

@@ -59,7 +59,7 @@ class Laser:
         return np.where(inside, shot[np.clip(index, 0, len(shot) - 1)], np.nan)
 
     def _cast(self, world: World, x: float, y: float, angles: Ranges) -> Ranges:
-        ranges: Ranges = cast(world.scene(), x, y, angles, self._range, self._config.height)
+        ranges: Ranges = cast(world.scanned(), x, y, angles, self._range, self._config.height)
         return ranges
 
     def _measured(self, ranges: Ranges) -> Ranges:

@@ -35,6 +35,18 @@ class MirrorRig:
     clockwise: bool = False
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Tilt:
+    """A camera's tilt: for every pixel its column and row on the upright cylinder, None where it stands upright."""
+
+    maps: tuple[Map, Map] | None
+
+    @staticmethod
+    def of(rig: CameraRig, roll: float, pitch: float) -> Tilt:
+        """Return the tilt by roll (to the right) and pitch (forward) [rad]."""
+        return Tilt(tilt_map(rig, roll, pitch) if roll or pitch else None)
+
+
 def mirror_map(rig: CameraRig, mirror: MirrorRig) -> tuple[Map, Map, NDArray[np.bool_]]:
     """Return for every pixel of the raw image its column and row in the panorama, and whether it shows any of it."""
     y, x = np.mgrid[: mirror.height, : mirror.width].astype(np.float64)

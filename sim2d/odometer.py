@@ -7,13 +7,18 @@ import math
 import numpy as np
 
 from sim2d.config import OdometerConfig
+from sim2d.field import Field
 from sim2d.records import OdometerReading, TrueCalibration
 
 HALF_TRACK = 0.15  # [m] what the wheels roll per radian of turning on the spot
+LOAD_LENGTH = 60.0  # [m] over which a load, a tyre's warmth or a slope comes and goes
 
 
 class Odometer:
-    """Reads arcs; `drift` draws the systematic errors once, `noise` the random ones, `slip` those in contact."""
+    """Reads arcs; `drift` draws the systematic errors once, `noise` the random ones, `slip` those in contact.
+
+    changes: draws how the systematic errors vary with the floor, place by place, and with the load along the way.
+    """
 
     def __init__(
         self,
@@ -21,8 +26,13 @@ class Odometer:
         drift: np.random.Generator,
         noise: np.random.Generator,
         slip: np.random.Generator | None = None,
+        changes: np.random.Generator | None = None,
     ) -> None:
         self._config = config
+        self._driven = 0.0
+        changes = np.random.default_rng(0) if changes is None else changes
+        self._floor = Field(changes, config.floor_patch)
+        self._loads = tuple(Field(changes, LOAD_LENGTH, 1) for _ in range(3))
         self._noise = noise
         self._slip = slip
         factor = drift.uniform(1 - config.spread, 1 + config.spread, 3)
@@ -33,13 +43,21 @@ class Odometer:
         )
 
     def read(
-        self, forward: float, turn: float, dt: float, blocked: float = 0.0, contact: bool = False
+        self,
+        forward: float,
+        turn: float,
+        dt: float,
+        blocked: float = 0.0,
+        contact: bool = False,
+        place: tuple[float, float] = (0.0, 0.0),
     ) -> OdometerReading:
         """Return the reading of a true arc: forward [m], turn [rad], taken in dt [s].
 
-        blocked: what the wheels were told to drive beyond the true way [m]; contact: whether they may slip.
+        blocked: what the wheels were told to drive beyond the true way [m]; contact: whether they may slip; place:
+        where the floor is driven on (x, y) [m].
         """
-        truth, config = self.calibration, self._config
+        config = self._config
+        truth = self._errors(forward, place)
         travel = abs(forward) + HALF_TRACK * abs(turn)
         sigma_forward = config.forward_noise * math.sqrt(travel)
         sigma_turn = math.radians(
@@ -54,6 +72,20 @@ class Odometer:
             turn=truth.rotation_scale * turn + truth.curvature * rolled + sigma_turn * float(draws[1]) + twist,
             covariance=_covariance(sigma_forward, sigma_turn),
             dt=dt,
+        )
+
+    def _errors(self, forward: float, place: tuple[float, float]) -> TrueCalibration:
+        """Return the systematic errors on this floor, under the load of this part of the way."""
+        mean, config = self.calibration, self._config
+        self._driven += abs(forward)
+        if not (config.floor or config.load):
+            return mean
+        rotation, distance, curvature = (1 + config.load * load.at(self._driven) for load in self._loads)
+        floor = config.floor * self._floor.at(*place) if config.floor else 0.0
+        return TrueCalibration(
+            rotation_scale=1 + (mean.rotation_scale - 1) * rotation,
+            distance_scale=(1 + (mean.distance_scale - 1) * distance) * (1 + floor),
+            curvature=mean.curvature * curvature,
         )
 
     def _twist(self) -> float:

@@ -20,7 +20,7 @@ REACH = 0.1  # [m] people stop this far from the robot
 
 
 class Walker:
-    """A person on the way: `walked` [m] counts from the start of the route and only grows; x, y [m], heading [rad]."""
+    """A person on the way: `walked` [m] counts from the start of the route; x, y [m], heading [rad]."""
 
     def __init__(self, person: Person, tile: int, space: pymunk.Space) -> None:
         if len(person.route) < 2 or not (person.speed >= 0 and person.radius > 0 and person.height > 0):
@@ -45,10 +45,13 @@ class Walker:
             np.interp(s, self._along, self._corners[:, 1])
         )
 
-    def start(self, seconds: float, dt: float, robot: tuple[float, float, float]) -> None:
-        """Set out on a step of dt [s] that begins at `seconds`; wait while the robot (x, y, radius) is in the way."""
+    def start(self, seconds: float, dt: float, robot: tuple[float, float, float], along: float) -> None:
+        """Set out on a step of dt [s] that begins at `seconds`; wait while the robot (x, y, radius) is in the way.
+
+        along: how far the robot is on its route [m], for those who accompany it.
+        """
         self._settle()
-        ahead = self.walked + self.person.speed * dt * (seconds >= self.person.start_s)
+        ahead = self._ahead(seconds, dt, along)
         x, y = self.at(ahead)
         space = self.person.radius + robot[2] + REACH
         nearer = math.dist((x, y), robot[:2]) < math.dist((self.x, self.y), robot[:2])
@@ -58,6 +61,14 @@ class Walker:
         if (x, y) != (self.x, self.y):
             self.heading = math.atan2(y - self.y, x - self.x)
         self.walked, self.x, self.y = ahead, x, y
+
+    def _ahead(self, seconds: float, dt: float, along: float) -> float:
+        """Return the way walked at the end of the step [m]."""
+        most = self.person.speed * dt * (seconds >= self.person.start_s)
+        if not self.person.marks:
+            return self.walked + most
+        wished = float(np.interp(along + self.person.lead, self.person.marks, self._along))
+        return self.walked + max(-most, min(most, wished - self.walked))
 
     def _settle(self) -> None:
         """Stand exactly where the last step was to end: sums of small steps would wander off."""
@@ -75,6 +86,11 @@ class People:
     def __len__(self) -> int:
         return len(self.walkers)
 
+    @property
+    def accompany(self) -> bool:
+        """Whether anybody keeps to the robot."""
+        return any(walker.person.marks for walker in self.walkers)
+
     def add(self, persons: Iterable[Person], builder: AtlasBuilder) -> None:
         """Add persons at the start of their routes. Raises WorldError for one that can't walk."""
         for person in persons:
@@ -82,10 +98,10 @@ class People:
             tile = builder.surface(look, math.tau * person.radius, person.height)
             self.walkers.append(Walker(person, tile, self._space))
 
-    def start(self, seconds: float, dt: float, robot: tuple[float, float, float]) -> None:
+    def start(self, seconds: float, dt: float, robot: tuple[float, float, float], along: float = 0.0) -> None:
         """Let everybody set out on a step (see `Walker.start`); the space's own steps carry them."""
         for walker in self.walkers:
-            walker.start(seconds, dt, robot)
+            walker.start(seconds, dt, robot, along)
 
     def append_to(self, surfaces: scenes.Surfaces) -> scenes.Surfaces:
         """Return surfaces with a circle for everybody behind them; where it stands is written by `place`."""

@@ -5,17 +5,24 @@ from __future__ import annotations
 import math
 from typing import Protocol
 
+import numpy as np
+from numpy.typing import NDArray
+
 from sim2d.body import Body
 from sim2d.camera import Camera
 from sim2d.config import SimConfig
 from sim2d.crowd import crowd
-from sim2d.driver import Driver
+from sim2d.driver import STUCK_S, Driver
+from sim2d.errors import WorldError
 from sim2d.events import Events
 from sim2d.laser import Laser
 from sim2d.odometer import Odometer, joined
+from sim2d.odometry_faults import OdometryFaults
 from sim2d.path import of_route
-from sim2d.records import EPOCH_NS, CameraRig, OdometerReading, SimReading, SimTruth, TrueCalibration
+from sim2d.records import EPOCH_NS, CameraRig, OdometerReading, SetDown, SimReading, SimTruth, TrueCalibration
+from sim2d.start import start_pose
 from sim2d.streams import stream
+from sim2d.way import Way
 from sim2d.world import World
 
 
@@ -31,11 +38,14 @@ class Wheels(Protocol):
 class SimRobot:
     """A robot in a world of its own. The driver has the wheels until the route is over; then commands count.
 
+    Raises WorldError where the driver can't go on.
+
     The first reading is at the start pose; each later `sense` first moves for one step. Same world, config, seed and
     commands: same readings.
     """
 
-    def __init__(self, world: World, config: SimConfig, seed: int) -> None:
+    def __init__(self, world: World, config: SimConfig, seed: int, set_down: SetDown | None = None) -> None:
+        """set_down: where it begins with the route behind it and nobody driving; None: where the route begins."""
         self.world = world
         self._config = config
         self._driver = Driver(
@@ -44,18 +54,30 @@ class SimRobot:
             config.body,
         )
         path = self._driver.path
-        world.add_people(crowd(path, config.people, stream(seed, "people")))
-        self._body = Body(world, config.body, *path.at(0.0), path.heading(0.0))
-        self._camera = Camera(config.camera, stream(seed, "image noise"))
-        self._missing = stream(seed, "missing frames")
-        self._laser = Laser(config.laser, stream(seed, "range noise"))
-        streams = (stream(seed, name) for name in ("drift", "odometry noise", "slip"))
+        world.add_people(crowd(path, config.people, stream(seed, "people"), config.body.max_speed))
+        self._driver.progress = config.start.along or 0.0
+        self._driven = set_down is None and config.driver.teaches
+        if set_down is not None:
+            self._driver.progress = path.length
+        start = start_pose(world, path, config.start) if set_down is None else set_down.pose
+        self._body = Body(world, config.body, *start)
+        self._camera = Camera(
+            config.camera, stream(seed, "image noise"), stream(seed, "camera body"), config.floor_gloss
+        )
+        self._missing, self._repeated = stream(seed, "missing frames"), stream(seed, "repeated frames")
+        self._frame: tuple[NDArray[np.uint8], bytes] | None = None
+        blind = config.laser.scanner == "none"
+        self._laser = None if blind else Laser(config.laser, stream(seed, "range noise"))
+        streams = (stream(seed, name) for name in ("drift", "odometry noise", "slip", "floor and load"))
         self._odometer = Odometer(config.odometer, *streams)
+        self._way = Way(config.body.step, (self._body.x, self._body.y, self._body.heading))
         self._events = Events(world, config, self._body, self._driver, self._camera)
+        self._faults = OdometryFaults(config.odometry_faults, stream(seed, "odometry faults"))
         self._wheels = (0.0, 0.0)
-        self._driven = True
         self._stopped = False
-        self._steps = -1
+        self._first = 0 if set_down is None else set_down.step
+        self._steps = self._first - 1
+        self._handed_over = None if self._driven else self._first
 
     @property
     def true_calibration(self) -> TrueCalibration:
@@ -75,6 +97,8 @@ class SimRobot:
     @property
     def expected_steps(self) -> int:
         """About how many readings the taught route takes."""
+        if not self._config.driver.teaches:
+            return 1
         return math.ceil(self.route_length_m / (self._config.body.max_speed * self._config.body.step)) + 3
 
     def sense(self) -> SimReading | None:
@@ -85,27 +109,41 @@ class SimRobot:
         if self._stopped:
             return None
         self._steps += 1
-        motion = self._move() if self._steps else self._odometer.read(0.0, 0.0, 0.0)
-        while self._steps and self._frame_is_missing():
+        begun = self._steps > self._first
+        motion = self._move() if begun else self._odometer.read(0.0, 0.0, 0.0)
+        while begun and self._frame_is_missing():
             self._steps += 1
             motion = joined(motion, self._move())
-        pose = self._body.x, self._body.y, self._body.heading
-        image, encoded = self._camera.shoot(self.world, *pose)
+        image, encoded = self._shoot()
         return SimReading(
             stamp_ns=self._stamp(),
             image=image,
             encoded=encoded,
-            ranges=self._laser.scan(self.world, *pose),
+            ranges=self._scan(),
             motion=motion,
             rig=self._camera.rig,
             contact=self._body.contact,
             driven=self._driven,
         )
 
+    def _scan(self) -> NDArray[np.float32] | None:
+        if self._laser is None:
+            return None
+        return self._laser.scan(self.world, *self._way.back(self._config.laser.lag))
+
     def act(self, command: Wheels) -> None:
         """Set the wheels for the steps to come; ignored while the driver has them."""
         if not self._driven and not self._stopped:
             self._wheels = (float(command.forward), float(command.turn))
+
+    def rest(self) -> None:
+        """Stop the wheels until the next command."""
+        if not self._driven:
+            self._wheels = (0.0, 0.0)
+
+    def put(self, x: float, y: float, heading: float) -> None:
+        """Set the robot down somewhere else [m, rad], which no wheel notices."""
+        self._body.put(x, y, heading)
 
     def stop(self) -> None:
         """Stop the wheels for good."""
@@ -117,23 +155,42 @@ class SimRobot:
         heading = math.remainder(self._body.heading, math.tau)
         return SimTruth(self._stamp(), self._body.x, self._body.y, heading, self._body.contact)
 
+    def _shoot(self) -> tuple[NDArray[np.uint8], bytes]:
+        """Return this step's frame, or the last one again where the camera repeats it."""
+        camera, dt = self._config.camera, self._config.body.step
+        again = camera.repeated > 0 and self._repeated.random() < camera.repeated
+        if self._frame is None or not again:
+            pose, before = self._way.back(camera.lag), self._way.back(camera.lag + dt)
+            self._frame = self._camera.shoot(self.world, *pose, before, dt if self._steps else 0.0)
+        return self._frame
+
     def _move(self) -> OdometerReading:
         """Drive one step and read the odometer."""
         dt = self._config.body.step
         seconds = (self._steps - 1) * dt
         if self._driven:
             self._wheels = self._driver.command(self._body.x, self._body.y, self._body.heading)
+            if self._driver.stuck:
+                at = f"x = {self._body.x:.2f}, y = {self._body.y:.2f} m"
+                raise WorldError(f"the driver has been stuck for {STUCK_S:g} s at {at}: the route can't be driven so")
             # the reading at standstill is the first that the stack answers
             self._driven = not self._driver.done
+            self._handed_over = None if self._driven else self._steps
         self._events.before_step(seconds)
         way, turn = self._body.advance(*self._wheels, dt)
         blocked = self._body.wanted(self._wheels[0], dt) - way
-        self._events.carry_away(seconds + dt)
-        return self._odometer.read(way, turn, dt, blocked, self._body.contact)
+        place = self._body.x, self._body.y
+        alone = None if self._handed_over is None else (self._steps - self._handed_over) * dt
+        if self._events.carry_away(seconds + dt, alone):
+            self._way = Way(dt, (self._body.x, self._body.y, self._body.heading))
+        else:
+            self._way.extend((*place, self._body.heading))
+        motion = self._odometer.read(way, turn, dt, blocked, self._body.contact, place)
+        return self._faults.spoil(motion, seconds + dt, alone)
 
     def _frame_is_missing(self) -> bool:
         share = self._config.camera.missing
         return share > 0 and self._missing.random() < share
 
     def _stamp(self) -> int:
-        return EPOCH_NS + max(0, self._steps) * round(self._config.body.step * 1e9)
+        return EPOCH_NS + max(self._first, self._steps) * round(self._config.body.step * 1e9)

@@ -35,7 +35,7 @@ class Look:
     """How a surface looks: base colour (r, g, b) in [0, 1], painter's name (`sim2d.paint`), seed, decals.
 
     repeat: the picture is painted for so many metres and then repeats, 0: for the whole surface. Surfaces with the same
-    look, repeat and height share their texels, however long they are.
+    look, repeat and height share their texels, however long they are. glass: a range scanner doesn't see it.
     """
 
     colour: Colour
@@ -43,6 +43,7 @@ class Look:
     seed: int = 0
     decals: tuple[Decal, ...] = ()
     repeat: float = 0.0
+    glass: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,7 +130,8 @@ class Light:
 class Person:
     """Somebody who walks a route of points [m] to and fro at `speed` [m/s] from `start_s` [s] on.
 
-    look: colour of clothes and seed.
+    look: colour of clothes and seed. marks: how far along the robot's route each point lies [m]; such a person
+    accompanies the robot and keeps `lead` [m] ahead of it; empty: walks whatever the robot does.
     """
 
     name: str
@@ -139,6 +141,8 @@ class Person:
     height: float = 1.75
     look: Look = Look((0.3, 0.35, 0.6), "plain")
     start_s: float = 0.0
+    marks: tuple[float, ...] = ()
+    lead: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

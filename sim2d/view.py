@@ -30,7 +30,7 @@ def draw_plan(world: World, path: Path | str) -> None:
     figure = Figure(figsize=(9, 7), layout="constrained")
     axes = figure.add_subplot()
     _plan(axes, world.spec, small=False)
-    axes.set(xlabel="x [m]", ylabel="y [m]", title=f"{world.name}: {of_route(world.spec.route).length:.1f} m")
+    axes.set(xlabel="x [m]", ylabel="y [m]", title=f"{_literal(world.name)}: {of_route(world.spec.route).length:.1f} m")
     axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=8, frameon=False)
     FigureCanvasAgg(figure).print_png(str(path))
 
@@ -116,24 +116,35 @@ def _ways(axes: Axes, spec: Spec, small: bool) -> None:
     for colour, (name, route) in zip(ROUTES, {"route": spec.route, **spec.routes}.items(), strict=False):
         points = of_route(route).points
         axes.plot(
-            *points[::5].T, color=colour, lw=0.8 if small else 1.2, label=name, ls="-" if name == "route" else ":"
+            *points[::5].T,
+            color=colour,
+            lw=0.8 if small else 1.2,
+            label=_literal(name),
+            ls="-" if name == "route" else ":",
         )
     axes.plot(*spec.start, "o", color="tab:green", ms=size, label="start")
     if spec.goal:
         axes.plot(*spec.goal, "*", color="tab:purple", ms=1.5 * size, label="goal")
     for person in spec.people:
-        axes.plot(*np.array(person.route).T, color=person.look.colour, lw=1.2, ls="-.", label=person.name)
+        axes.plot(*np.array(person.route).T, color=person.look.colour, lw=1.2, ls="-.", label=_literal(person.name))
 
 
 def _words(axes: Axes, spec: Spec) -> None:
     """Write labels and named places."""
     for x, y, text in spec.labels:
-        axes.text(x, y, text, ha="center", va="center", fontsize=8, bbox={"fc": "w", "ec": "none", "alpha": 0.7})
+        axes.text(
+            x, y, _literal(text), ha="center", va="center", fontsize=8, bbox={"fc": "w", "ec": "none", "alpha": 0.7}
+        )
     for name, (x, y, heading) in spec.places.items():
         axes.plot(x, y, marker=(3, 0, np.degrees(heading) - 90), color="k", ms=8)
-        axes.annotate(name, (x, y), textcoords="offset points", xytext=(6, 6), fontsize=8)
+        axes.annotate(_literal(name), (x, y), textcoords="offset points", xytext=(6, 6), fontsize=8)
 
 
 def _dark(colour: Colour) -> Colour:
     r, g, b = colour
     return 0.6 * r, 0.6 * g, 0.6 * b
+
+
+def _literal(text: str) -> str:
+    """Return a name as matplotlib shall draw it: dollar signs begin no formula, control characters are written out."""
+    return "".join(c if c.isprintable() else repr(c)[1:-1] for c in text).replace("$", r"\$")

@@ -32,12 +32,13 @@ class Plan:
 
 @dataclass(frozen=True, slots=True)
 class Skin:
-    """What a pymunk shape looks like: body number, top [m], tile, surface coordinate of its first point [m]."""
+    """What a pymunk shape looks like: body number, top [m], tile, surface coordinate of its first point [m], glass."""
 
     solid: int
     top: float
     tile: int
     along: float
+    glass: bool = False
 
 
 class World:
@@ -55,6 +56,7 @@ class World:
         self._due = [False] * len(spec.gates)
         self._solids = 0
         self._scene: tuple[int, scenes.Scene] | None = None
+        self._scanned: tuple[int, NDArray[np.float64]] | None = None
         self._things: list[tuple[Box | Cylinder, pymunk.Shape]] = []
         self.people = People(self.space)
         self.daylight = EVEN
@@ -81,6 +83,16 @@ class World:
         scene = self._scene[1]
         self.people.place(scene.line, scene.along)
         return scene
+
+    def scanned(self) -> scenes.Scene:
+        """Return the surfaces as a range scanner meets them: glass is nowhere high enough."""
+        scene = self.scene()
+        if self._scanned is None or self._scanned[0] != self.version:
+            glass = np.array([skin.glass for shape, skin in self._skins.items() for _ in _rows(shape)], dtype=bool)
+            top = scene.top.copy()
+            top[: len(glass)][glass] = -1.0
+            self._scanned = (self.version, top)
+        return scene._replace(top=self._scanned[1])
 
     def add_people(self, persons: Iterable[Person]) -> None:
         """Add people at the start of their routes. Raises WorldError for one that can't walk."""
@@ -152,7 +164,7 @@ class World:
         total = sum(math.dist(a, b) for a, b in zip(wall.points, wall.points[1:], strict=False))
         along, tile = 0.0, _tile(builder, wall.look, total, wall.height)
         for a, b in zip(wall.points, wall.points[1:], strict=False):
-            self._add(pymunk.Segment(self.space.static_body, a, b, 0.0), wall.height, tile, along)
+            self._add(pymunk.Segment(self.space.static_body, a, b, 0.0), wall.height, tile, along, wall.look.glass)
             along += math.dist(a, b)
 
     def _add_box(self, box: Box, builder: AtlasBuilder) -> None:
@@ -162,7 +174,7 @@ class World:
         tile = _tile(builder, box.look, _perimeter(points), box.height)
         shape = pymunk.Poly(self.space.static_body, points)
         # pymunk may begin with another corner: the surface coordinate starts where it begins
-        self._add(shape, box.height, tile, _offset(points, shape.get_vertices()[0]))
+        self._add(shape, box.height, tile, _offset(points, shape.get_vertices()[0]), box.look.glass)
         self._things.append((box, shape))
 
     def _add_cylinder(self, cylinder: Cylinder, builder: AtlasBuilder) -> None:
@@ -171,19 +183,19 @@ class World:
         tile = _tile(builder, cylinder.look, math.tau * cylinder.radius, cylinder.height)
         offset = (cylinder.x, cylinder.y)
         shape = pymunk.Circle(self.space.static_body, cylinder.radius, offset)
-        self._add(shape, cylinder.height, tile, 0.0)
+        self._add(shape, cylinder.height, tile, 0.0, cylinder.look.glass)
         self._things.append((cylinder, shape))
 
     def _add_gate(self, gate: Gate, builder: AtlasBuilder) -> None:
         tile = _tile(builder, gate.look, math.dist(gate.a, gate.b), gate.height)
         shape = pymunk.Segment(self.space.static_body, gate.a, gate.b, 0.0)
-        self._gates.append((gate, shape, self._add(shape, gate.height, tile, 0.0)))
+        self._gates.append((gate, shape, self._add(shape, gate.height, tile, 0.0, gate.look.glass)))
 
-    def _add(self, shape: pymunk.Shape, top: float, tile: int, along: float) -> Skin:
+    def _add(self, shape: pymunk.Shape, top: float, tile: int, along: float, glass: bool) -> Skin:
         shape.friction = 0.0
         shape.filter = pymunk.ShapeFilter(categories=STATIC)
         self.space.add(shape)
-        skin = self._skins[shape] = Skin(self._solids, top, tile, along)
+        skin = self._skins[shape] = Skin(self._solids, top, tile, along, glass)
         self._solids += 1
         return skin
 

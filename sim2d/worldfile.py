@@ -45,16 +45,35 @@ def parse(raw: Raw) -> Spec:
 def _with_base(path: Path, depth: int) -> Raw:
     """Return a file's values on top of those of the file that it extends."""
     raw = _read(path)
-    base = raw.get("extends")
-    if not isinstance(base, str) or not base:
+    found = _base(path, raw)
+    if found is None:
         return raw
     if depth == 0:
-        raise Fault("extends", base, "files extend one another in a circle")
+        raise Fault("extends", raw["extends"], "files extend one another in a circle")
+    return _merged(_with_base(found, depth - 1), raw)
+
+
+def sources(path: Path) -> tuple[Path, ...]:
+    """Return a world file and every file that it extends. Raises WorldError."""
+    files = [path]
+    try:
+        while (found := _base(files[-1], _read(files[-1]))) is not None and len(files) <= DEEPEST:
+            files.append(found)
+    except Fault as fault:
+        raise fault.within(str(path)) from fault
+    return tuple(files)
+
+
+def _base(path: Path, raw: Raw) -> Path | None:
+    """Return the file that a file's values extend, None for none. Raises Fault."""
+    base = raw.get("extends")
+    if not isinstance(base, str) or not base:
+        return None
     beside = path.parent / base
     found = beside if beside.suffix == ".toml" else SHIPPED / f"{base}.toml"
     if not found.is_file():
         raise Fault("extends", base, f"there is no {found}; name a shipped world or a file beside this one")
-    return _merged(_with_base(found, depth - 1), raw)
+    return found
 
 
 def _merged(base: Raw, own: Raw) -> Raw:
@@ -76,5 +95,7 @@ def _read(path: Path) -> Raw:
         return tomllib.loads(path.read_text(encoding="utf8"))
     except OSError as error:
         raise WorldError(f"{path}: cannot be read: {error.strerror or error}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except RecursionError as error:
+        raise WorldError(f"{path}: its tables are nested too deeply") from error
+    except ValueError as error:  # not TOML, not UTF-8, a number of a million digits
         raise WorldError(f"{path}: not a TOML file: {error}") from error

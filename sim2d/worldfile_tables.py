@@ -75,6 +75,8 @@ class LookTable(Table):
     seed: Seed = 0
     repeat: float = Field(0.0, ge=0, le=1e4, description="the picture repeats after so many metres, 0: never")
 
+    glass: bool = Field(False, description="seen by the camera, but not by a range scanner")
+
     @field_validator("texture")
     @classmethod
     def _known(cls, value: str) -> str:
@@ -83,7 +85,7 @@ class LookTable(Table):
     def look(self, seed: int, decals: tuple[Decal, ...] = (), colour: Colour | None = None) -> Look:
         """Return the record; where the file gives no seed, `seed` counts."""
         own = self.seed if "seed" in self.model_fields_set else seed
-        return Look(colour or self.colour, self.texture, own, decals, self.repeat)
+        return Look(colour or self.colour, self.texture, own, decals, self.repeat, self.glass)
 
 
 class GroundTable(LookTable):

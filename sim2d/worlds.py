@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 
-from sim2d import floorplan, worldfile
+from sim2d import floorplan, floorplan_map, worldfile
 from sim2d.errors import WorldError
 from sim2d.generate_campus import campus
 from sim2d.generate_corridor import long_corridor
@@ -52,6 +52,17 @@ def spec(name: str) -> Spec:
     if path.suffix in FILES:
         return FILES[path.suffix](path)
     raise WorldError(f"unknown world {name!r}; there are {', '.join(names())}, and files: *.toml, map.yaml")
+
+
+def sources(name: str) -> tuple[Path, ...]:
+    """Return every file that a world of a file rests on: itself, what it extends, its picture; none for a named one.
+
+    Raises WorldError for a broken file.
+    """
+    path = Path(name)
+    if name in SPECS or path.suffix not in FILES:
+        return ()
+    return worldfile.sources(path) if path.suffix == ".toml" else floorplan_map.sources(path)
 
 
 def load(name: str, seed: int = 0) -> World:

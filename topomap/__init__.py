@@ -4,12 +4,15 @@ from importlib import import_module
 from importlib.metadata import version
 from typing import TYPE_CHECKING
 
+from topomap.core.caches import see_to_caches
+
 if TYPE_CHECKING:
     from topomap.app.config import RunConfig, load_config
     from topomap.app.drive import drive, replay
+    from topomap.app.recordings import map_folder
     from topomap.app.runs import RunResult
     from topomap.app.wiring import build_navigator
-    from topomap.core.errors import TopomapError
+    from topomap.core.errors import RobotFault, TopomapError
     from topomap.core.geometry import Pose2
     from topomap.core.panorama import Panorama
     from topomap.core.recorded import RecordedReading as Reading
@@ -31,6 +34,7 @@ if TYPE_CHECKING:
     from topomap.vision.homing import METHODS
 
 __version__ = version("topomap")
+see_to_caches()
 
 _LAZY = {
     "ALIGNERS": "topomap.vision.compass:ALIGNERS",
@@ -48,6 +52,7 @@ _LAZY = {
     "Reading": "topomap.core.recorded:RecordedReading",
     "Rig": "topomap.core.recorded:RecordedRig",
     "Robot": "topomap.core.robot:Robot",
+    "RobotFault": "topomap.core.errors:RobotFault",
     "RunConfig": "topomap.app.config:RunConfig",
     "RunData": "topomap.core.run_data:RunData",
     "RunResult": "topomap.app.runs:RunResult",
@@ -62,6 +67,7 @@ _LAZY = {
     "load_map": "topomap.mapping.mapfile:load_map",
     "load_panorama": "topomap.vision.home:load_panorama",
     "load_run": "topomap.recording.run_reader:load_run",
+    "map_folder": "topomap.app.recordings:map_folder",
     "optimise_graph": "topomap.mapping.graph_engine:optimise_graph",
     "read_graph": "topomap.datasets.g2o:read_graph",
     "replay": "topomap.app.drive:replay",
@@ -69,9 +75,9 @@ _LAZY = {
 }
 __all__ = [
     "ALIGNERS", "METHODS", "TESTS", "Alignment", "ClosureTest", "Command", "Finding", "HomeVector", "Mapper", "Motion",
-    "Navigator", "Panorama", "Pose2", "Reading", "Rig", "Robot", "RunConfig", "RunData", "RunResult", "TopoMap",
-    "TopomapError", "__version__", "build_navigator", "check_robot", "drive", "home", "load_config", "load_map",
-    "load_panorama", "load_run", "optimise_graph", "read_graph", "replay", "save_map",
+    "Navigator", "Panorama", "Pose2", "Reading", "Rig", "Robot", "RobotFault", "RunConfig", "RunData", "RunResult",
+    "TopoMap", "TopomapError", "__version__", "build_navigator", "check_robot", "drive", "home", "load_config",
+    "load_map", "load_panorama", "load_run", "map_folder", "optimise_graph", "read_graph", "replay", "save_map",
 ]  # fmt: skip
 
 

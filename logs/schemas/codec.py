@@ -9,8 +9,10 @@ from google.protobuf.message import DecodeError, Message
 from google.protobuf.message_factory import GetMessageClass
 
 from logs import records
+from logs.budget import FIELD_FREE, FIELD_LIMIT
 from logs.errors import LogError
 from logs.schemas.descriptor import PACKAGE, file_descriptor, shapes
+from logs.schemas.wire import too_many_fields
 
 R = TypeVar("R")
 
@@ -48,7 +50,9 @@ def encode(record: object) -> bytes:
 
 
 def decode(kind: type[R], data: bytes) -> R:
-    """Return the record of protobuf bytes; raises LogError when they aren't one."""
+    """Return the record of protobuf bytes; raises LogError when they aren't one or hold more than any record does."""
+    if len(data) > FIELD_FREE and too_many_fields(data):
+        raise LogError(f"a {PACKAGE}.{kind.__name__} message holds more than {FIELD_LIMIT} values: it isn't read")
     try:
         return _unpack(kind, MESSAGES[kind].FromString(data))
     except DecodeError as error:

@@ -15,7 +15,7 @@ import pytest
 from round_world import RIG, RoundRobot
 
 import topomap
-from topomap.core.errors import ConfigError, DataError, ShapeError
+from topomap.core.errors import ConfigError, DataError, RobotFault, ShapeError
 
 MOTION = topomap.Motion(0.1, 0.0, 0.0, np.diag([1e-4, 1e-6, 1e-5]), 0.1)
 
@@ -71,16 +71,20 @@ def test_the_check_has_nothing_to_say_about_it() -> None:
 
 def test_a_lost_sensor_stops_the_wheels_and_leaves_a_log(tmp_path: Path) -> None:
     robot = RoundRobot(130, fails_at=40)
-    with pytest.raises(OSError, match="camera is gone"):
+    with pytest.raises(RobotFault, match=r"sense\(\) at step 40 failed: OSError: the camera is gone") as caught:
         topomap.drive(robot, tmp_path)
     assert robot.stops == 1
     assert len(topomap.load_run(tmp_path / "run.mcap").stamps_ns) == 40
+    assert isinstance(caught.value.result, topomap.RunResult)
+    assert {path.name for path in caught.value.result.files} == {path.name for path in tmp_path.iterdir()}
+    assert len(caught.value.result.files) == 4
+    assert json.loads((tmp_path / "summary.json").read_text())["fault"] == str(caught.value)
 
 
 @pytest.mark.parametrize("fails_at", [0])
 def test_a_sensor_lost_from_the_start_stops_the_wheels(fails_at: int, tmp_path: Path) -> None:
     robot = RoundRobot(130, fails_at=fails_at)
-    with pytest.raises(OSError, match="camera is gone"):
+    with pytest.raises(RobotFault, match=r"first sense\(\) failed: OSError: the camera is gone"):
         topomap.drive(robot, tmp_path)
     assert robot.stops == 1
 
@@ -185,7 +189,7 @@ def test_the_face_is_light_and_complete() -> None:
     assert done.stdout == "[]\n"
     for name in topomap.__all__:
         assert getattr(topomap, name) is not None, name
-    assert 20 <= len(topomap.__all__) <= 36
+    assert 20 <= len(topomap.__all__) <= 37
     assert set(topomap.__all__) <= set(dir(topomap))
     with pytest.raises(AttributeError, match="it offers"):
         topomap.nonsense  # noqa: B018

@@ -103,14 +103,16 @@ def test_a_run_that_begins_by_the_wrong_model_changes_it_and_arrives() -> None:
 
 
 def test_opposite_models_err_by_opposite_angles_whatever_the_columns() -> None:
-    several = [Pairwise(f"{k} {chosen}", routes.RouteModel(k, chosen)) for k in (0, 1) for chosen in (False, True)]
+    several = [
+        Pairwise(f"{k} {chosen}", routes.RouteModel(k, chosen)) for k in (0, 1) for chosen in ("all", "automatic")
+    ]
     rows = {row.method: row for row in measured(Recipe("models", 2, furnished), *several).rows}
-    for chosen in (False, True):
+    for chosen in ("all", "automatic"):
         one, two = (rows[f"{k} {chosen}"].mean for k in (0, 1))
         assert one is not None
         assert two is not None
         assert one.value + two.value == pytest.approx(180.0, abs=1e-6)
-    assert rows["0 False"].mean != rows["0 True"].mean
+    assert rows["0 all"].mean != rows["0 automatic"].mean
 
 
 def test_lengths_of_home_vectors_grow_with_the_distance() -> None:

@@ -113,7 +113,7 @@ def test_recover_gives_a_complete_log(tmp_path: Path, whole: bytes) -> None:
     cut, target = tmp_path / "cut.mcap", tmp_path / "recovered.mcap"
     cut.write_bytes(whole[: int(len(whole) * 0.7)])
     saved = recover(cut, target)
-    assert (saved.attachments, saved.metadata, saved.damaged) == (2, 2, 0)
+    assert (saved.attachments, saved.metadata, saved.damaged) == (3, 2, 0)
     assert saved.messages == info(cut).messages > 0
     assert info(target).complete
     assert _stamps(target) == _stamps(cut)

@@ -178,5 +178,5 @@ def test_info_counts(tmp_path: Path) -> None:
     assert (summary.steps, summary.messages, summary.complete) == (9, 36, True)
     assert summary.duration_s == pytest.approx(8 * 0.25)
     assert ("/panorama", "foxglove.CompressedImage", 9) in [dataclasses.astuple(t) for t in summary.topics]
-    assert summary.attachments == ("config.json", "plan.json")
+    assert summary.attachments == ("config.json", "plan.json", "header.json")
     assert summary.header.world == "test-room"

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from topomap.core.arrays import FloatArray
 from topomap.core.geometry import Pose2
-from topomap.mapping.odometry.scan_match import match_scans
+from topomap.vision.matching.scan_match import match_scans
 
 WALLS = [((0, 0), (6, 0)), ((6, 0), (6, 4)), ((6, 4), (0, 4)), ((0, 4), (0, 0)), ((2, 4), (2, 3)), ((4, 0), (4.5, 1))]
 CORRIDOR = [((-50, 1), (50, 1)), ((50, -1), (-50, -1))]

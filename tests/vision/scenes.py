@@ -32,7 +32,7 @@ def texture(seed: int, u: Floats, v: Floats) -> Floats:
 
 @dataclass(frozen=True)
 class Room:
-    """Walls x in [0, width], y in [0, depth] [m], cylinders (x, y, radius, height) [m]."""
+    """Walls x in [0, width], y in [0, depth] [m], cylinders (x, y, radius, height) [m]; patterned: the floor is."""
 
     seed: int = 1
     width: float = 8.0
@@ -44,6 +44,8 @@ class Room:
         (5.4, 5.0, 0.35, 0.9),
         (1.4, 4.7, 0.2, 2.6),
     )
+
+    patterned: bool = True
 
     def view(self, x: float, y: float, heading: float = 0.0, rig: Rig | None = None) -> Panorama:
         """The panorama at a pose [m, rad], with exact ranges to the nearest surface at camera height."""
@@ -69,6 +71,7 @@ class Room:
         reach = np.where(rows > 0, up, -rig.camera_height) / np.where(rows == 0, 1e-9, rows)
         px, py = x + reach[:, None] * np.cos(angles), y + reach[:, None] * np.sin(angles)
         floor, ceiling = texture(7 * self.seed, px, py), texture(13 * self.seed + 1, px, py)
+        floor = floor if self.patterned else np.full_like(floor, 0.1)
         image = np.where((rows > 0)[:, None, None], 0.8 + 0.2 * ceiling, 0.15 + 0.3 * floor)
         return image, np.full(image.shape[:2], np.inf)
 
@@ -128,3 +131,9 @@ def marker_view(pose: Pose2) -> Panorama:
 def view(pose: Pose2, seed: int = 1) -> Panorama:
     """The room of a seed, seen from a pose; rendered once for all tests."""
     return Room(seed).at(pose)
+
+
+@cache
+def plain_floor_view(pose: Pose2, seed: int = 1) -> Panorama:
+    """The room of a seed with a floor of one colour, on which a ground line can be told."""
+    return Room(seed, patterned=False).at(pose)

@@ -91,19 +91,14 @@ def square(x: float, y: float) -> FloatArray:
 @pytest.mark.parametrize("direction", DIRECTIONS)
 @pytest.mark.parametrize(
     "moment", [Moment(form="centroid", feature="equal"), Moment(2, "equal"), Moment(3, "equal"),
-               Moment(2, "equal", "pixel"), Moment(2, "equal", "area"), Moment(-1, "equal")]
+               Moment(2, "equal", "pixel"), Moment(2, "equal", "area")]
 )  # fmt: skip
 def test_moments_point_home(moment: Moment, direction: float) -> None:
-    """C minus H; a negative order repels, and with its factor n the difference points home all the same."""
+    """C minus H (a negative order repels: test_options.py)."""
     one = np.ones((1, 720))
-    x, y = moment.vector(square(0.5 * math.cos(direction), 0.5 * math.sin(direction)), one) - moment.vector(
-        square(0, 0), one
-    )
-    sign = 1.0 if moment.exponent > 0 else moment.exponent
-    assert abs(wrap(math.atan2(y, x) - direction - math.pi)) < math.radians(25) or sign < 0
-    if moment.exponent < 0:
-        without_factor = np.array([x, y]) / moment.exponent
-        assert abs(wrap(math.atan2(y, x) - math.atan2(without_factor[1], without_factor[0]))) > 3.0
+    here, there = square(0.5 * math.cos(direction), 0.5 * math.sin(direction)), square(0, 0)
+    x, y = moment.vector(here, one) - moment.vector(there, one)
+    assert abs(wrap(math.atan2(y, x) - direction - math.pi)) < math.radians(25)
 
 
 def test_void_moments_abstain() -> None:
@@ -165,7 +160,7 @@ def test_a_saddle_has_no_sign_of_its_own(method: CentreOfMass | Moment) -> None:
 def test_mask_scores_are_those_of_summing_pixels() -> None:
     panorama, spec = view(Pose2(3.7, 2.8)), MaskSpec(count=60, seed=2)
     grey = panorama.image @ np.array([0.299, 0.587, 0.114])
-    grey = (grey - grey.mean()) / grey.std()
+    grey = grey / grey.mean()
     chosen, found = masks(spec, 720, 100, 49.5), scores(panorama, spec)
     for k in range(60):
         means = []
@@ -173,7 +168,7 @@ def test_mask_scores_are_those_of_summing_pixels() -> None:
             parts = [chosen.corners[n, k] for n in range(4) if chosen.signs[n, k] == sign]
             pixels = [grey[y0:y1, np.arange(x0, x1) % 720].ravel() for x0, y0, x1, y1 in parts]
             means.append(np.concatenate(pixels).mean() if pixels else 0.0)
-        assert found[k] == pytest.approx(abs(means[0] - means[1]), abs=0.02)
+        assert found[k] == pytest.approx(abs(means[0] - means[1]), abs=0.005)
     vector = RandomMasks(spec).describe(panorama)
     assert vector.x == pytest.approx(float(np.mean(found * np.cos(chosen.bearings))))
 

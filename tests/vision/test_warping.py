@@ -13,7 +13,7 @@ from topomap.core.panorama import Panorama
 from topomap.core.rig import Rig
 from topomap.vision.image.scale_planes import WARPING, WarpingSpec, warping_view
 from topomap.vision.matching.kernels import scale_planes, warping_search
-from topomap.vision.matching.warping import _movements, best, warp
+from topomap.vision.matching.warping import best, movements, warp
 
 
 def test_planes_are_the_normalised_differences() -> None:
@@ -33,7 +33,7 @@ def test_planes_are_the_normalised_differences() -> None:
 
 def test_movements_obey_the_law_of_sines() -> None:
     n, phases, levels, step = 72, 2, 4, 1.08
-    shifts, planes, counts = _movements(n, phases, levels, step)
+    shifts, planes, counts = movements(n, phases, levels, step)
     for x in (1, 9, 18, 30, 60, 71):
         for t in range(counts[x]):
             plane, phase = divmod(int(planes[x, t]), phases)
@@ -48,7 +48,7 @@ def test_search_is_the_sum_of_least_differences() -> None:
     n, phases, levels = 12, 2, 2
     planes = rng.random(((2 * levels + 1) * phases, n, n)).astype(np.float32)
     turned = np.concatenate([planes, planes], axis=2)
-    table = _movements(n, phases, levels, 1.2)
+    table = movements(n, phases, levels, 1.2)
     cost = warping_search(turned, *table, np.arange(n), -3, 5)
     for alpha, p in [(0, 0), (5, 2), (11, 4)]:
         total = 0.0

@@ -17,6 +17,7 @@ from topomap.bench.homing.table import write_table
 from topomap.bench.places import PlaceScore, place_scores
 from topomap.bench.pool import Store, workers
 from topomap.core.errors import DataError
+from topomap.core.names import safe_name
 from topomap.datasets.image_grid import grid_recipe
 from topomap.evaluation.summary import write_whole
 from topomap.experiments import STUDIES, Lab, Study
@@ -71,12 +72,12 @@ def write_bench(tables: Sequence[Table], folder: Path) -> list[Path]:
     """Write every table and its pictures into a folder of its own and return the folders."""
     written = []
     for table in tables:
-        own = folder / f"{table.environment}-{table.compass}"
+        own = folder / safe_name(f"{table.environment}-{table.compass}")
         own.mkdir(parents=True, exist_ok=True)
         write_table(table, own)
         for entry, row in zip(table.entries, table.rows, strict=True):
             if row.unfit is None:
-                save(method_figure(table, entry, row), own / f"{row.method}.png")
+                save(method_figure(table, entry, row), own / f"{safe_name(row.method)}.png")
         save(sheet(table), own / "sheet.png")
         written.append(own)
     return written

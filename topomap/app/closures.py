@@ -22,9 +22,11 @@ from topomap.core.run_data import RunData
 from topomap.evaluation.closures import Closure, closures
 from topomap.evaluation.ledger_rows import LedgerRow, ledger
 from topomap.evaluation.precision_recall import Evaluation, evaluate
-from topomap.recording.run_reader import load_run
+from topomap.evaluation.summary import write_whole
+from topomap.recording.run_reader import read_run
 from topomap.report.figures.explain import explanation
 from topomap.report.figures.precision import precision_recall
+from topomap.report.figures.style import png
 from topomap.vision.image.compare import rms, signature
 
 CURVE_STEPS = 120
@@ -40,7 +42,7 @@ class Explanation:
 
 def read(path: Path) -> RunData:
     """Return a log's run. Raises DataError."""
-    return load_run(path)
+    return read_run(path)
 
 
 def table(run: RunData, verdict: Verdict | None = None, false: bool = False) -> list[LedgerRow]:
@@ -71,7 +73,7 @@ def explain(log: Path, query: str, match: str, out: Path) -> Explanation:
 
     Raises DataError, and TopomapError where there is no such candidate.
     """
-    run = load_run(log)
+    run = read_run(log)
     closure = _find(run, query, match)
     lines = [*_lines(run, closure)]
     title = f"{_name(run, closure)}: {closure.verdict}"
@@ -186,7 +188,6 @@ def _save(figure: object, path: Path) -> None:
 
     assert isinstance(figure, Figure)
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        figure.savefig(path, dpi=120, metadata={"Software": None})
+        write_whole(path, png(figure, 120))
     except OSError as error:
         raise DataError(f"{path}: can't be written ({error.strerror})") from error

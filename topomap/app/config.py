@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from copy import deepcopy
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeGuard, get_args
 
 from pydantic import BaseModel, Field, ValidationError
 
@@ -15,8 +15,13 @@ from sim2d.config import SimConfig
 from topomap.core.errors import ConfigError
 from topomap.mapping.mapper import MapperSettings
 from topomap.navigation.manoeuvres.active_check import ActiveSettings
+from topomap.navigation.manoeuvres.hall_course import HallSettings
 from topomap.navigation.mission import MissionSettings
 from topomap.navigation.traveller import TravelSettings
+
+LARGEST = 1e9
+"""No setting is larger: seconds of thirty years."""
+LONGEST = 70  # characters of a value that are shown
 
 
 class StackConfig(BaseModel, frozen=True, extra="forbid"):
@@ -26,6 +31,7 @@ class StackConfig(BaseModel, frozen=True, extra="forbid"):
     mission: MissionSettings = MissionSettings()
     travel: TravelSettings = TravelSettings()
     active: ActiveSettings = ActiveSettings()
+    hall: HallSettings = HallSettings()
 
 
 class RunConfig(BaseModel, frozen=True, extra="forbid"):
@@ -72,7 +78,9 @@ def read_toml(path: Path) -> dict[str, Any]:
         return tomllib.loads(path.read_text(encoding="utf8"))
     except OSError as error:
         raise ConfigError(f"{path}: cannot be read: {error.strerror or error}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except RecursionError as error:
+        raise ConfigError(f"{path}: its tables are nested too deeply") from error
+    except ValueError as error:  # not TOML, not UTF-8, a number of a million digits
         raise ConfigError(f"{path}: not a TOML file: {error}") from error
 
 
@@ -91,11 +99,16 @@ def _set(values: dict[str, Any], word: str) -> None:
 def _value(text: str) -> Any:
     try:
         return tomllib.loads(f"value = {text}")["value"]
-    except tomllib.TOMLDecodeError:
+    except RecursionError as error:
+        raise ConfigError(f"--set: a value is nested too deeply: {text[:LONGEST]}...") from error
+    except ValueError:  # no TOML: a word without quotes
         return text
 
 
 def _parse(values: dict[str, Any], source: str) -> RunConfig:
+    for path, number in _numbers(values):
+        if not abs(number) <= LARGEST:
+            raise ConfigError(f"{source}: {path} = {_short(number)}: no setting is NaN, infinite or beyond {LARGEST:g}")
     try:
         return RunConfig.model_validate(values)
     except ValidationError as error:
@@ -104,14 +117,47 @@ def _parse(values: dict[str, Any], source: str) -> RunConfig:
 
 def _one_line(error: ValidationError) -> str:
     first = error.errors()[0]
-    path = [str(part) for part in first["loc"]]
+    path = ".".join(str(part) for part in first["loc"])
     if first["type"] == "extra_forbidden":
-        return f"unknown key {'.'.join(path)}; known there: {', '.join(_keys(path[:-1]))}"
-    return f"{'.'.join(path)} = {first['input']!r}: {first['msg'][0].lower()}{first['msg'][1:]}"
+        known = _keys(first["loc"][:-1])
+        return f"unknown key {path}" + (f"; known there: {', '.join(known)}" if known else "")
+    return f"{path} = {_short(first['input'])}: {first['msg'][0].lower()}{first['msg'][1:]}"
 
 
-def _keys(path: list[str]) -> list[str]:
-    model: Any = RunConfig
+def _short(value: object) -> str:
+    """Return a value on one line, cut where it is long."""
+    if isinstance(value, int) and not isinstance(value, bool) and abs(value) > LARGEST:
+        return "a number of more digits than one can read"
+    text = " ".join(repr(value).split())
+    return text if len(text) <= LONGEST else f"{text[: LONGEST - 3]}..."
+
+
+def _numbers(values: object, path: str = "") -> Iterator[tuple[str, int | float]]:
+    """Yield every number in nested tables and lists with where it stands."""
+    inside: Iterable[tuple[object, object]] = ()
+    if isinstance(values, dict):
+        inside = values.items()
+    elif isinstance(values, list | tuple):
+        inside = enumerate(values)
+    elif isinstance(values, int | float):
+        yield path, values
+    for name, value in inside:
+        yield from _numbers(value, f"{path}.{name}" if path else str(name))
+
+
+def _keys(path: tuple[int | str, ...]) -> list[str]:
+    """Return the keys that are known in a table of the settings, one in a list included; none where it isn't one."""
+    model: object = RunConfig
     for name in path:
-        model = model.model_fields[name].annotation
-    return sorted(model.model_fields)
+        if isinstance(name, str):
+            model = _table(model.model_fields[name].annotation) if _is_table(model) else None
+    return sorted(model.model_fields) if _is_table(model) else []
+
+
+def _table(annotation: object) -> object:
+    """Return the table that a field holds, as it is or in a list of them."""
+    return next((one for one in (annotation, *get_args(annotation)) if _is_table(one)), None)
+
+
+def _is_table(thing: object) -> TypeGuard[type[BaseModel]]:
+    return isinstance(thing, type) and issubclass(thing, BaseModel)

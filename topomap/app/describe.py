@@ -11,13 +11,13 @@ from topomap.core.errors import DataError
 Rows = list[tuple[str, str]]
 
 
-def describe_log(path: Path) -> tuple[Rows, Rows]:
-    """Return rows on the log and rows of its topics. Raises DataError."""
+def describe_log(path: Path) -> tuple[Rows, Rows, str]:
+    """Return rows on the log, rows of its topics and, if anything is, what is wrong with it. Raises DataError."""
     try:
         found = info(path)
     except LogError as error:
         raise DataError(str(error)) from error
-    state = "complete" if found.complete else f"not complete: {found.note}"
+    state = "complete" if found.state.whole else f"not complete, {found.state.word}: {found.state.note}"
     about = [
         ("world", found.header.world),
         ("seed", str(found.header.seed)),
@@ -29,4 +29,5 @@ def describe_log(path: Path) -> tuple[Rows, Rows]:
         ("attachments", ", ".join(found.attachments)),
         ("versions", ", ".join(f"{name} {number}" for name, number in found.header.versions.items())),
     ]
-    return about, [(t.topic, f"{t.messages} x {t.schema}") for t in found.topics]
+    wrong = "" if found.state.whole else f"{found.state.word}: {found.state.note}"
+    return about, [(t.topic, f"{t.messages} x {t.schema}") for t in found.topics], wrong

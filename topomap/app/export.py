@@ -16,21 +16,32 @@ from topomap.mapping.graph import TopoMap
 from topomap.mapping.map_problem import map_problem
 from topomap.mapping.mapfile import load_map
 from topomap.mapping.optimizer import relative_edges
-from topomap.recording.run_reader import load_run
+from topomap.recording.run_reader import read_run
 
 TUM_COLUMNS = "timestamp[s] x[m] y[m] z[m] qx qy qz qw"
 
 
-def export_run(log: Path, out: Path, tum: bool, g2o: bool) -> list[Path]:
-    """Write what was asked for into a folder; return the files. Raises DataError.
+def export_run(log: Path, out: Path, tum: bool, g2o: bool) -> tuple[list[Path], str]:
+    """Write what was asked for into a folder; return the files and, if anything is, what is wrong with the log.
 
-    The g2o graph is made of the finished map, which lies beside the log.
+    The g2o graph is made of the finished map, which lies beside the log. Raises DataError, also where that map is
+    another run's.
     """
-    written = write_tum(load_run(log), out) if tum else []
-    if g2o:
-        topo = load_map(log.with_suffix(".topomap"))
-        written += _write(out, {"map.g2o": g2o_text(topo), "map-nodes.csv": nodes_text(topo)})
-    return written
+    run = read_run(log)
+    topo = _map_of(run, log.with_suffix(".topomap")) if g2o else None
+    written = write_tum(run, out) if tum else []
+    if topo is not None:
+        written += write_texts(out, {"map.g2o": g2o_text(topo), "map-nodes.csv": nodes_text(topo)})
+    return written, "" if run.log_state == "whole" else f"{run.log_state}: {run.log_note}"
+
+
+def _map_of(run: RunData, path: Path) -> TopoMap:
+    """Return the map beside a log. Raises DataError where the log's run didn't write it."""
+    topo = load_map(path)
+    stamps = [node.stamp_ns for node in topo.nodes]
+    if not run.graph_hash or stamps != [node.stamp_ns for node in run.nodes]:
+        raise DataError(f"{path}: isn't the map of this log's run: a run that was cut off has none")
+    return topo
 
 
 def write_tum(run: RunData, out: Path) -> list[Path]:
@@ -39,10 +50,11 @@ def write_tum(run: RunData, out: Path) -> list[Path]:
         f"{name}.tum": f"# {TUM_COLUMNS}\n# {frame}\n{tum_rows(run.stamps_ns, poses)}"
         for name, (poses, frame) in trajectories(run).items()
     }
-    return _write(out, texts)
+    return write_texts(out, texts)
 
 
-def _write(out: Path, texts: dict[str, str]) -> list[Path]:
+def write_texts(out: Path, texts: dict[str, str]) -> list[Path]:
+    """Write texts into a folder by file name; return the files. Raises DataError."""
     try:
         for name, text in texts.items():
             write_whole(out / name, text)

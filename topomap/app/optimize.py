@@ -67,7 +67,7 @@ def _source(folder: Path) -> str | None:
     """Return which file a folder's results are of."""
     try:
         summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         return None
     return str(summary.get("file")) if isinstance(summary, dict) else None
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -18,48 +19,66 @@ from sim2d.errors import WorldError
 from sim2d.robot import SimRobot
 from topomap.app.config import RunConfig
 from topomap.app.folder import RunFolder
-from topomap.app.interrupt import stop_on_signal
+from topomap.app.interrupt import Stop, stop_on_signal
+from topomap.app.saved_map import SavedMap, begun_with, write_truths
 from topomap.app.stored_config import parse_stored
 from topomap.app.warm_up import warm_up
 from topomap.app.wiring import build_navigator, versions
-from topomap.core.errors import DataError
+from topomap.core.errors import ConfigError, DataError, RobotFault
 from topomap.core.records import Phase, StepRecord
 from topomap.core.robot import Reading, Robot, TruthSource
 from topomap.core.run_data import RunData, TrueCalibration
 from topomap.evaluation.summary import summarise, write_summary
 from topomap.mapping.graph import TopoMap
 from topomap.mapping.mapfile import save_map
+from topomap.mapping.sessions.condense import condense
 from topomap.navigation.navigator import Navigator
 from topomap.navigation.runner import run
 from topomap.recording.encode import run_header
 from topomap.recording.recorder import FinalMap, MapNow, RunRecorder
-from topomap.recording.run_reader import load_run
+from topomap.recording.run_reader import read_run
 from topomap.report.report import write_report
 
 Progress = Callable[[int], None]
+Meet = Callable[[Callable[[str], None], Callable[[], bool]], None]
+STEPS_SPARE, STEPS_RATIO = 5000, 20
+"""A simulated run may take so many steps, and so many times those of its route: going home takes less than once."""
 
 
 @dataclass(frozen=True)
 class RunResult:
-    """A finished run: its folder, its summary, whether it was interrupted, the files it wrote, and notes for people."""
+    """A finished run: its folder, its summary, whether it was interrupted, the files it wrote, and notes for people.
+
+    signal: the one that interrupted it; fault: what ended it before its time; doubt: what its log lacks; failure: why
+    its mission couldn't be.
+    """
 
     folder: RunFolder
     summary: dict[str, Any]
     interrupted: bool
     files: tuple[Path, ...]
     notes: tuple[str, ...] = ()
+    signal: int | None = None
+    fault: str = ""
+    doubt: str = ""
+    failure: str = ""
 
 
 def open_world(name: str, seed: int, config: RunConfig) -> SimRobot:
     """Return the robot in a named world. Raises DataError for an unknown world."""
     try:
-        return SimRobot(worlds.load(name), config.sim, seed)
+        return SimRobot(worlds.load(name, config.sim.textures), config.sim, seed)
     except WorldError as error:
         raise DataError(str(error)) from error
 
 
-def run_world(robot: SimRobot, seed: int, config: RunConfig, folder: RunFolder, progress: Progress) -> RunResult:
-    """Drive, map, close loops and go home in a simulated world; write log, map, summary and report."""
+def run_world(
+    robot: SimRobot, seed: int, config: RunConfig, folder: RunFolder, progress: Progress, saved: SavedMap | None = None
+) -> RunResult:
+    """Drive, map, close loops and travel in a simulated world; write log, map, summary and report.
+
+    saved: a map to go on with. Raises RobotFault, when all is written, where the drive failed.
+    """
     known = robot.true_calibration
     header = run_header(
         robot.world.name,
@@ -71,17 +90,23 @@ def run_world(robot: SimRobot, seed: int, config: RunConfig, folder: RunFolder, 
         TrueCalibration(known.rotation_scale, known.distance_scale, known.curvature),
         robot.world.plan(),
     )
-    return execute(robot, robot, header, config, folder, progress)
+    most = STEPS_SPARE + STEPS_RATIO * robot.expected_steps
+    return execute(robot, robot, header, config, folder, progress, most, saved=saved)
 
 
 def replay_log(stored: StoredRun, folder: RunFolder, progress: Progress) -> RunResult:
     """Take a log's readings through the stack again and write what a run writes; journeys are then not made anew."""
     robot = stored.robot
-    result = execute(robot, robot, replace(robot.header, replayed=True), stored.config, folder, progress)
-    return replace(result, notes=stored.notes)
+    doubt = "" if robot.state.whole else f"{robot.state.word}: {robot.state.note}"
+    try:
+        header = replace(robot.header, replayed=True)
+        result = execute(robot, robot, header, stored.config, folder, progress, saved=stored.saved)
+    finally:
+        robot.close()
+    return replace(result, notes=stored.notes, doubt=doubt)
 
 
-def conclude(data: RunData, folder: RunFolder, interrupted: bool = False) -> RunResult:
+def conclude(data: RunData, folder: RunFolder) -> RunResult:
     """Write summary and report of a run. Raises DataError where they can't be written."""
     summary = summarise(data)
     try:
@@ -89,8 +114,9 @@ def conclude(data: RunData, folder: RunFolder, interrupted: bool = False) -> Run
         write_report(data, folder.report, summary)
     except OSError as error:
         raise DataError(f"{folder.path}: can't be written ({error.strerror})") from error
-    files = (folder.log, folder.map, folder.summary, folder.report)
-    return RunResult(folder, summary, interrupted, tuple(path for path in files if path.exists()))
+    doubt = "" if data.log_state == "whole" else f"{data.log_state}: {data.log_note}"
+    written = tuple(path for path in folder.files if path.exists())
+    return RunResult(folder, summary, False, written, fault=data.fault, doubt=doubt)
 
 
 class _Watch:
@@ -101,48 +127,114 @@ class _Watch:
         self.steps = 0
         self.last: StepRecord | None = None
 
+    def sensed(self, reading: Reading) -> None:
+        try:
+            self.recorder.sensed(reading)
+        except LogError:
+            raise
+        except Exception as error:  # whatever a driver hands over that no record can hold
+            raise RobotFault(f"a reading can't be logged: {type(error).__name__}: {error}") from error
+
     def observe(self, reading: Reading, record: StepRecord) -> None:
         self.recorder.observe(reading, record)
         self.steps, self.last = self.steps + 1, record
         self._progress(self.steps)
 
+    def say(self, message: str) -> None:
+        """Write a warning into the log."""
+        self.recorder.say("robot", message)
+
 
 def execute(
-    robot: Robot, truth: TruthSource | None, header: Header, config: RunConfig, folder: RunFolder, progress: Progress
-) -> RunResult:
-    """Run with a log that is closed whatever happens, then write map, summary and report. Raises DataError.
+    robot: Robot, truth: TruthSource | None, header: Header, config: RunConfig, folder: RunFolder, progress: Progress,
+    most_steps: int | None = None, meet: Meet | None = None, saved: SavedMap | None = None,
+) -> RunResult:  # fmt: skip
+    """Run with a log that is closed whatever happens, then write map, summary and report.
 
-    truth: goes into the log, where there is one; the stack never sees it.
+    truth: goes into the log, where there is one; the stack never sees it; meet: is given what writes a warning into the
+    log, and what says that the run shall end; saved: a map to go on with. Raises DataError, and RobotFault where the
+    run failed, when all is written that can be.
     """
-    warm_up(config.stack)
-    navigator = build_navigator(config.stack)
+    with folder.owned(), stop_on_signal() as stopped:
+        folder.clear()
+        warm_up(config.stack)
+        begun = tuple(saved.attachments()) if saved else ()
+        navigator = build_navigator(config.stack, saved=saved)
+        fault = _logged(robot, truth, header, config, folder, progress, most_steps, meet, navigator, stopped, begun)
+        result = _concluded(folder, stopped, fault)
+        write_truths(read_run(folder.log), navigator.mapper.map, saved, folder.map)
+        return replace(result, failure=navigator.failure)
+
+
+def _logged(
+    robot: Robot, truth: TruthSource | None, header: Header, config: RunConfig, folder: RunFolder, progress: Progress,
+    most_steps: int | None, meet: Meet | None, navigator: Navigator, stopped: Stop,
+    begun: tuple[tuple[str, str, bytes], ...],
+) -> str:  # fmt: skip
+    """Run with an open log, end the map; return what ended the run before its time, nothing where nothing did."""
+    faults: list[str] = []
     try:
-        with Recorder.of(folder.log, header, config.log) as recorder, stop_on_signal() as stopped:
+        with Recorder.of(folder.log, header, config.log) as recorder:
+            for attachment in begun:
+                recorder.attach(*attachment)
             watch = _Watch(RunRecorder(recorder, lambda: map_now(navigator.mapper.map), truth), progress)
             began = time.perf_counter()
-            run(robot, navigator, (watch,), stopped)
-            _finish(navigator, watch, time.perf_counter() - began, folder)
-            interrupted = stopped()
-    except LogError as error:
-        raise DataError(str(error)) from error
-    return conclude(load_run(folder.log), folder, interrupted)
+            if meet is not None:
+                meet(watch.say, stopped)
+            with _noted(faults):
+                run(robot, navigator, (watch,), stopped, most_steps, watch.sensed)
+            with _noted(faults):
+                _finish(navigator, watch, time.perf_counter() - began, folder, "; ".join(faults))
+    except LogError as error:  # the log can't be closed, mostly for the reason for which the run ended
+        if str(error) not in faults:
+            faults.append(str(error))
+    return "; ".join(faults)
 
 
-def _finish(navigator: Navigator, watch: _Watch, seconds: float, folder: RunFolder) -> None:
-    """End the map and write it into the log and beside it."""
+@contextmanager
+def _noted(faults: list[str]) -> Iterator[None]:
+    """Take down what is expected to go wrong instead of raising it, so that what was done is kept."""
+    try:
+        yield
+    except (RobotFault, LogError, DataError) as error:
+        if str(error) not in faults:
+            faults.append(str(error))
+
+
+def _concluded(folder: RunFolder, stopped: Stop, fault: str) -> RunResult:
+    """Write summary and report; raise RobotFault where the run ended before its time."""
+    try:
+        result = replace(conclude(read_run(folder.log), folder), interrupted=stopped(), signal=stopped.number)
+    except DataError as error:
+        if fault:
+            raise RobotFault(fault) from error
+        raise
+    if fault:
+        raise RobotFault(fault, replace(result, fault=fault))
+    return result
+
+
+def _finish(navigator: Navigator, watch: _Watch, seconds: float, folder: RunFolder, fault: str) -> None:
+    """End the map and write it beside the log and into it."""
+    if fault:
+        with suppress(LogError):  # the log itself may be what failed
+            watch.recorder.say("fault", fault, error=True)
     if watch.last is None:
         return
     said = len(navigator.mapper.ledger.decisions)
     navigator.mapper.finish(watch.last.stamp_ns)
     unsaid = tuple(navigator.mapper.ledger.decisions[said:])
-    watch.recorder.finish(replace(_final_map(navigator, watch.last, watch.steps / seconds), decisions=unsaid))
+    final = _final_map(navigator, watch.last, watch.steps / seconds)
+    if navigator.mapper.map.view != "full":
+        condense(navigator.mapper.map)
     save_map(navigator.mapper.map, folder.map)
+    watch.recorder.finish(replace(final, decisions=unsaid, fault=fault))
 
 
 def _final_map(navigator: Navigator, last: StepRecord, steps_per_s: float) -> FinalMap:
     mapper = navigator.mapper
     topo = mapper.map
-    stamps, poses = topo.trajectory()
+    stamps, poses = topo.trajectory(mapper.first)
     travel = last.travel.phase
     asked = last.goal.phase is Phase.TRAVEL
     return FinalMap(
@@ -155,6 +247,8 @@ def _final_map(navigator: Navigator, last: StepRecord, steps_per_s: float) -> Fi
         steps_per_s,
         travel is Phase.ARRIVED if asked else None,
         last.goal.node,
+        trust=mapper.optimisation.trust,
+        topology_hash=mapper.topology_hash(),
     )
 
 
@@ -174,6 +268,7 @@ class StoredRun:
     robot: ReplayRobot
     config: RunConfig
     notes: tuple[str, ...]
+    saved: SavedMap | None = None
 
 
 def open_log(path: Path, settings: Iterable[str] = ()) -> StoredRun:
@@ -182,21 +277,33 @@ def open_log(path: Path, settings: Iterable[str] = ()) -> StoredRun:
     Raises DataError or ConfigError.
     """
     try:
-        robot = ReplayRobot(path)
-        stored = json.loads(robot.header.config)
-        config, notes = parse_stored(stored, f"{path}: its stored configuration", settings)
+        robot = ReplayRobot(path, skip_damaged=True)
     except LogError as error:
         raise DataError(str(error)) from error
-    return StoredRun(robot, config, notes)
+    words = tuple(settings)
+    for word in words:
+        if not word.strip().startswith("stack."):
+            raise ConfigError(
+                f"--set {word}: a replay takes settings of the stack alone (stack.*), the drive is history"
+            )
+    config, notes = parse_stored(_stored(robot, path), f"{path}: its stored configuration", words)
+    return StoredRun(robot, config, notes, begun_with(robot, config.stack.mission))
 
 
-def report_log(path: Path, out: Path) -> RunResult:
+def _stored(robot: ReplayRobot, path: Path) -> dict[str, Any]:
+    """Return the configuration that a log keeps. Raises DataError."""
+    try:
+        stored = json.loads(robot.header.config)
+    except (ValueError, RecursionError) as error:
+        raise DataError(f"{path}: its stored configuration isn't JSON ({type(error).__name__})") from error
+    if not isinstance(stored, dict):
+        raise DataError(f"{path}: its stored configuration is no table")
+    return stored
+
+
+def report_log(path: Path, out: Path, force: bool = False) -> RunResult:
     """Write the summary and the report of a log into a folder. Raises DataError."""
-    folder = RunFolder.create(out)
-    return conclude(load_run(path), folder)
-
-
-def same_hash(path: Path, summary: Mapping[str, Any]) -> bool | None:
-    """Return whether a summary has the graph hash of a log's run; None where the log was cut off before it had one."""
-    recorded = load_run(path).graph_hash
-    return summary["graph_hash"] == recorded if recorded else None
+    run = read_run(path)
+    folder = RunFolder.beside(out, path, force)
+    with folder.owned():
+        return conclude(run, folder)

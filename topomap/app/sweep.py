@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import hashlib
 import itertools
 import json
-import re
 import tomllib
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import topomap
+from sim2d.worlds import sources
 from topomap.app import runs
 from topomap.app.config import RunConfig, load_config, read_toml
 from topomap.app.folder import RunFolder
@@ -21,7 +22,9 @@ from topomap.bench.pool import Store, digest_files, workers
 from topomap.bench.sweeps.figure import swept
 from topomap.bench.sweeps.table import SweptRun, to_csv, to_json
 from topomap.core.errors import ConfigError
+from topomap.core.names import safe_name
 from topomap.evaluation.summary import write_whole
+from topomap.report.figures.style import png
 
 AS_IT_IS = "default"
 
@@ -46,15 +49,26 @@ class RunTask:
 
     @property
     def key(self) -> str:
-        """Return all that decides the run: world, seed, settings, versions and code."""
-        file = Path(self.world)
-        content = file.read_text(encoding="utf8") if file.is_file() else self.world
-        return json.dumps([content, self.seed, self.config.resolved(), versions(), _code(), str(self.folder)])
+        """Return all that decides the run: world with every file it rests on, seed, settings, versions and code."""
+        files = [hashlib.sha256(path.read_bytes()).hexdigest() for path in sources(self.world)]
+        return json.dumps(
+            [
+                Path(self.world).name,
+                files,
+                self.seed,
+                self.config.resolved(),
+                versions(),
+                source_digest(),
+                str(self.folder),
+            ]
+        )
 
     def perform(self) -> dict[str, Any]:
         """Drive, write the run's files, return its summary. Raises KeyboardInterrupt when it was stopped."""
         robot = runs.open_world(self.world, self.seed, self.config)
-        result = runs.run_world(robot, self.seed, self.config, RunFolder.create(self.folder), lambda _: None)
+        result = runs.run_world(
+            robot, self.seed, self.config, RunFolder.create(self.folder, force=True), lambda _: None
+        )
         if result.interrupted:
             raise KeyboardInterrupt
         return result.summary
@@ -79,8 +93,8 @@ def plan(
     tasks = []
     for world, variant in itertools.product(worlds, which):
         chosen = load_config(config, (*words, *variant.words))
-        name = runs.open_world(world, 0, chosen).world.name
-        folder = out / name / re.sub(r"[^\w.=+-]+", "_", variant.name)
+        name = safe_name(runs.open_world(world, 0, chosen).world.name)
+        folder = out / name / safe_name(variant.name)
         tasks += [RunTask(world, variant.name, seed, chosen, folder / f"seed-{seed}") for seed in seeds]
     return tasks
 
@@ -90,7 +104,11 @@ def run_sweep(
 ) -> list[SweptRun]:
     """Make the runs that aren't there yet and return all, in order; the number of processes changes nothing."""
     done = itertools.count(1)
-    with workers(jobs, Store(None if fresh else out / ".done")) as hands:
+    store = Store(None if fresh else out / ".done")
+    for task in tasks:
+        if not all(path.exists() for path in RunFolder(task.folder).files):
+            store.forget(task.key)
+    with workers(jobs, store) as hands:
         found = hands.run(tasks, lambda: progress(next(done)))
     return [SweptRun(s["world"], t.variant, t.seed, s) for t, s in zip(tasks, found, strict=True)]
 
@@ -99,12 +117,13 @@ def write_sweep(found: Sequence[SweptRun], out: Path) -> tuple[Path, ...]:
     """Write sweep.json, sweep.csv and sweep.png."""
     write_whole(out / "sweep.json", to_json(found))
     write_whole(out / "sweep.csv", to_csv(found))
-    swept(found).savefig(out / "sweep.png", dpi=130, metadata={"Software": None})
+    write_whole(out / "sweep.png", png(swept(found)))
     return tuple(out / f"sweep.{kind}" for kind in ("json", "csv", "png"))
 
 
 @cache
-def _code() -> str:
+def source_digest() -> str:
+    """Return a digest of all code that decides a run."""
     return digest_files(
         Path(topomap.__file__).parents[1], ("topomap/**/*.py", "sim2d/**/*.py", "sim2d/**/*.toml", "logs/**/*.py")
     )
@@ -114,7 +133,7 @@ def _axis(word: str) -> tuple[str, list[Any]]:
     key, _, text = word.partition("=")
     try:
         values = tomllib.loads(f"values = {text}")["values"]
-    except tomllib.TOMLDecodeError:
+    except (ValueError, RecursionError):  # no TOML
         values = None
     if not key or not isinstance(values, list) or not values:
         raise ConfigError(f"--vary {word}: expected section.key=[value, ...], as in sim.driver.lateral_offset=[0, 0.3]")

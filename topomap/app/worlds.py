@@ -13,6 +13,7 @@ from sim2d.path import of_route
 from sim2d.shapes import Spec
 from sim2d.world import World
 from topomap.core.errors import DataError
+from topomap.core.names import safe_name
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,11 +33,12 @@ def list_worlds() -> list[WorldInfo]:
     return [_info(worlds.spec(name)) for name in worlds.names()]
 
 
-def show_world(name: str, out: Path) -> tuple[WorldInfo, tuple[Path, ...]]:
+def show_world(world_name: str, out: Path) -> tuple[WorldInfo, tuple[Path, ...]]:
     """Write plan and panoramas of a world, by name or file, into a folder. Raises DataError."""
     try:
-        world = worlds.load(name)
-        plan, panorama = out / f"{world.name}-plan.png", out / f"{world.name}-panorama.png"
+        world = worlds.load(world_name)
+        name = safe_name(world.name)
+        plan, panorama = out / f"{name}-plan.png", out / f"{name}-panorama.png"
         out.mkdir(parents=True, exist_ok=True)
         view.draw_plan(world, plan)
         view.draw_panorama(world, panorama)

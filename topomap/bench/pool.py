@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import hashlib
+import json
 import multiprocessing
 import os
-import pickle
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
@@ -13,9 +13,11 @@ from contextlib import contextmanager
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, Protocol, TypeVar
+from typing import Any, Protocol, TypeVar, get_type_hints
 
 import cv2
+
+from topomap.bench.kept import from_plain, to_plain
 
 R = TypeVar("R", covariant=True)
 T = TypeVar("T")
@@ -40,22 +42,19 @@ class Task(Protocol[R]):
 
 
 class Store:
-    """Results in files named by the digest of their task's key and of the code; folder None keeps nothing.
-
-    Only what this program wrote itself is read back (pickles).
-    """
+    """Results as JSON in files named by the digest of their task's key and of the code; folder None keeps nothing."""
 
     def __init__(self, folder: Path | None) -> None:
         self._folder = folder
         self.hits = 0
 
-    def get(self, key: str) -> Any:  # Any: the task knows what its result is
-        """Return the kept result of a key, or None; a damaged file counts as none."""
+    def get(self, task: Task[T]) -> T | None:
+        """Return the kept result of a task, or None; a damaged file counts as none."""
         if self._folder is None:
             return None
         try:
-            found = pickle.loads(self._path(key, self._folder).read_bytes())
-        except (OSError, pickle.UnpicklingError, EOFError, AttributeError, ImportError, IndexError):
+            found: T = from_plain(_kind(task), json.loads(self._path(task.key, self._folder).read_bytes()))
+        except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
             return None
         self.hits += 1
         return found
@@ -67,12 +66,22 @@ class Store:
         path = self._path(key, self._folder)
         path.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.NamedTemporaryFile(dir=path.parent, delete=False) as file:
-            pickle.dump(result, file)
+            file.write(json.dumps(to_plain(result)).encode())
         Path(file.name).replace(path)
+
+    def forget(self, key: str) -> None:
+        """Take a kept result away."""
+        if self._folder is not None:
+            self._path(key, self._folder).unlink(missing_ok=True)
 
     def _path(self, key: str, folder: Path) -> Path:
         name = hashlib.sha256(f"{version('topomap')} {code_digest()} {key}".encode()).hexdigest()
-        return folder / name[:2] / f"{name}.pickle"
+        return folder / name[:2] / f"{name}.json"
+
+
+def _kind(task: Task[T]) -> Any:  # Any: a type as a value
+    """Return what a task's `perform` says that it returns."""
+    return get_type_hints(type(task).perform)["return"]
 
 
 def default_folder() -> Path:
@@ -108,7 +117,7 @@ class Workers:
         """Return the results in the order of the tasks; `advance` is called after each that is done."""
         results: dict[int, T] = {}
         for i, task in enumerate(tasks):
-            kept = self._store.get(task.key)
+            kept = self._store.get(task)
             if kept is not None:
                 results[i] = kept
                 advance()

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import os
 import sys
+from contextlib import suppress
+from typing import TextIO
 
 import typer
 
 from topomap import __version__
+from topomap.app.interrupt import SIGNALS
 from topomap.cli import (
     bench_commands,
     closure_commands,
@@ -22,7 +26,7 @@ from topomap.cli import (
     sweep_commands,
     world_commands,
 )
-from topomap.core.errors import TopomapError
+from topomap.core.errors import RobotFault, TopomapError
 
 app = typer.Typer(
     help="Loop-closing navigation with topological snapshot maps: drive, map, close the loop, go home, replay, look.",
@@ -60,10 +64,37 @@ def _root(
 
 
 def main() -> None:
-    """Run the command line; every expected error is one line and exit code 2."""
-    console.terminate_as_interrupt()
+    """Run the command line.
+
+    Every expected error is one line. Exit codes: 1 the output can't be written, 2 something is wrong with what was
+    asked, 3 a log isn't whole, 4 a run ended by a fault, 128 and its number for a signal.
+    """
+    console.interrupt_on_signals(SIGNALS)
     try:
-        app()
+        try:
+            _run()
+        finally:
+            sys.stdout.flush()
+    except OSError as error:  # standard output is full, closed or a terminal that has gone
+        _let_go(sys.stdout)
+        console.fail(f"standard output can't be written ({error.strerror})")
+        sys.exit(1)
+
+
+def _run() -> None:
+    try:
+        app(standalone_mode=True)
+    except RobotFault as error:
+        console.fail(str(error))
+        sys.exit(console.FAULT)
     except TopomapError as error:
         console.fail(str(error))
         sys.exit(2)
+    except console.Interrupted as error:
+        sys.exit(console.INTERRUPTED + error.number)
+
+
+def _let_go(stream: TextIO) -> None:
+    """Let what couldn't be written go, so that it isn't tried once more when the program ends."""
+    with suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())

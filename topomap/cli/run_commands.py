@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import typer
 
-from topomap.cli.console import console, progress, table
-from topomap.cli.words import CONFIG, SETTINGS
+from topomap.cli.console import INTERRUPTED, doubt, fail, progress, say, table
+from topomap.cli.words import CONFIG, FORCE, KINDS, PARTIAL, SETTINGS
+from topomap.core.errors import RobotFault
 
 if TYPE_CHECKING:
     from topomap.app.runs import RunResult
@@ -26,66 +31,90 @@ def run(
     config: Path | None = CONFIG,
     settings: list[str] = SETTINGS,
     out: Path | None = typer.Option(None, help="Folder for log, map, summary and report [runs/WORLD-SEED]."),
+    force: bool = FORCE,
+    mission: str | None = typer.Option(None, help=f"What to do: {KINDS} [teach, then home]."),
+    map_file: Path | None = typer.Option(None, "--map", help="Saved map to go on with, as run.topomap."),
+    start: str | None = typer.Option(None, help="On a saved map: node or place where the robot is put [unknown]."),
+    at: str | None = typer.Option(None, help="Where the simulator puts it: X,Y[,DEGREES], or a place of the world."),
 ) -> None:
-    """Drive a simulated world, map it, close loops, go home; write log, map, summary and report."""
-    from topomap.app import runs
-    from topomap.app.config import load_config
-    from topomap.app.folder import RunFolder
+    """Drive a simulated world, map it, close loops, travel; write log, map, summary and report.
 
-    chosen = load_config(config, settings)
+    On a saved map the robot goes on a mission at once; --mission teach lets the driver show it more.
+    """
+    from topomap.app import runs
+    from topomap.app.folder import RunFolder
+    from topomap.app.missions import mission_config
+    from topomap.app.saved_map import SavedMap
+    from topomap.core.names import safe_name
+
+    chosen = mission_config(config, settings, mission, map_file is not None, start, at)
+    saved = SavedMap.open(map_file, chosen.stack.mission) if map_file else None
     robot = runs.open_world(world, seed, chosen)
-    folder = RunFolder.create(out or Path("runs") / f"{robot.world.name}-{seed}")
-    with progress(robot.world.name, robot.expected_steps) as advance:
-        result = runs.run_world(robot, seed, chosen, folder, advance)
+    folder = RunFolder.create(out or Path("runs") / f"{safe_name(robot.world.name)}-{seed}", force=force)
+    with progress(robot.world.name, robot.expected_steps) as advance, told_faults():
+        result = runs.run_world(robot, seed, chosen, folder, advance, saved)
     show(result)
+    if result.failure:
+        fail(result.failure)
+        raise typer.Exit(2)
 
 
 def replay(
     log: Path = typer.Argument(help="MCAP log of a run.", metavar="RUN.mcap"),
     settings: list[str] = SETTINGS,
     out: Path | None = typer.Option(None, help="Folder for the new log, map, summary and report [RUN-replay]."),
+    force: bool = FORCE,
+    partial: bool = PARTIAL,
 ) -> None:
     """Take a log's readings through the stack again; with the same settings the graph hash is the same."""
     from topomap.app import runs
     from topomap.app.folder import RunFolder
+    from topomap.app.same import compare
 
     stored = runs.open_log(log, settings)
-    folder = RunFolder.create(out or log.parent / "replay", keep=log)
-    with progress("replay", stored.robot.steps) as advance:
+    folder = RunFolder.create(out or log.parent / "replay", keep=log, force=force)
+    with progress("replay", stored.robot.steps) as advance, told_faults():
         result = runs.replay_log(stored, folder, advance)
     show(result)
-    same = runs.same_hash(log, result.summary)
-    if same is not None:
-        console.print("The graph hash is the run's." if same else "The graph hash differs from the run's.")
+    say(compare(log, result.folder.log))
+    doubt(log, result.doubt, partial)
 
 
 def report(
     log: Path = typer.Argument(help="MCAP log of a run, complete or cut off.", metavar="RUN.mcap"),
     out: Path | None = typer.Option(None, help="Folder for summary and report [beside the log]."),
+    force: bool = FORCE,
+    partial: bool = PARTIAL,
 ) -> None:
     """Write the summary and the report of a log again."""
     from topomap.app import runs
 
-    show(runs.report_log(log, out or log.parent))
+    result = runs.report_log(log, out or log.parent, force)
+    show(result)
+    doubt(log, result.doubt, partial)
 
 
-def info(log: Path = typer.Argument(help="MCAP log of a run.", metavar="RUN.mcap")) -> None:
+def info(log: Path = typer.Argument(help="MCAP log of a run.", metavar="RUN.mcap"), partial: bool = PARTIAL) -> None:
     """Show what a log holds."""
     from topomap.app.describe import describe_log
 
-    rows, topics = describe_log(log)
+    rows, topics, wrong = describe_log(log)
     table(rows, str(log))
     table(topics, "topics")
+    doubt(log, wrong, partial)
 
 
 def recover(
     log: Path = typer.Argument(help="MCAP log that was cut off or damaged.", metavar="BROKEN.mcap"),
     out: Path = typer.Argument(help="The repaired log; must not exist yet.", metavar="OUT.mcap"),
+    partial: bool = PARTIAL,
 ) -> None:
     """Copy all that is readable of a log into a new, complete one, for viewers that refuse a cut-off file."""
     from topomap.recording.recover import recover_log
 
-    console.print(f"{out}: {recover_log(log, out)}", soft_wrap=True)
+    saved, wrong = recover_log(log, out)
+    say(f"{out}: {saved}")
+    doubt(log, wrong, partial)
 
 
 def export(
@@ -93,23 +122,40 @@ def export(
     tum: bool = typer.Option(False, "--tum", help="Trajectories as TUM files (map, online, dead reckoning, truth)."),
     g2o: bool = typer.Option(False, "--g2o", help="The finished map as a g2o pose graph."),
     out: Path | None = typer.Option(None, help="Folder for the files [beside the log]."),
+    partial: bool = PARTIAL,
 ) -> None:
     """Write a run's trajectories and graph in the formats other tools read."""
     from topomap.app.export import export_run
 
     if not (tum or g2o):
         raise typer.BadParameter("say what to write: --tum, --g2o or both")
-    for path in export_run(log, out or log.parent, tum, g2o):
-        console.print(str(path), soft_wrap=True)
+    written, wrong = export_run(log, out or log.parent, tum, g2o)
+    for path in written:
+        say(str(path))
+    doubt(log, wrong, partial)
 
 
 def show(result: RunResult) -> None:
+    """Print a run's table, files and notes; end with 128 and the number of the signal that interrupted it."""
     from topomap.evaluation.summary import table_rows
 
     table(table_rows(result.summary), str(result.summary["world"]))
     for path in result.files:
-        console.print(str(path), soft_wrap=True)
+        say(str(path))
     for note in result.notes:
-        console.print(f"Note: {note}", soft_wrap=True, markup=False, highlight=False)
+        say(f"Note: {note}")
     if result.interrupted:
-        raise typer.Exit(130)
+        raise typer.Exit(INTERRUPTED + (result.signal or signal.SIGINT))
+
+
+@contextmanager
+def told_faults() -> Iterator[None]:
+    """Show what was kept of a run that ended by a fault, before the fault is told."""
+    from topomap.app.runs import RunResult
+
+    try:
+        yield
+    except RobotFault as fault:
+        if isinstance(fault.result, RunResult):
+            show(replace(fault.result, interrupted=False))
+        raise

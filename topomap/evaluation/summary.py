@@ -60,7 +60,15 @@ def summarise(run: RunData) -> Summary:
             "path_ratio": _number(way.path_ratio),
             "collisions": way.collisions,
         },
+        "trust": {
+            "kept": run.trust.kept or None,
+            "way_noise": _number(run.trust.way_noise),
+            "turn_noise": _number(run.trust.turn_noise),
+        },
         "graph_hash": run.graph_hash,
+        "topology_hash": run.topology_hash,
+        "fault": run.fault or None,
+        "log": {"state": run.log_state, "note": run.log_note or None},
         "versions": plain(run.versions),
     }
 
@@ -90,11 +98,14 @@ def write_summary(path: Path, summary: Summary) -> None:
 
 
 def write_whole(path: Path, content: str | bytes) -> None:
-    """Write text or bytes to a file so that nobody ever sees half of it; raises OSError."""
+    """Write text or bytes to a file so that nobody ever sees half of it, not even after a power cut; raises OSError."""
     path.parent.mkdir(parents=True, exist_ok=True)
     temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
     try:
-        temporary.write_bytes(content.encode() if isinstance(content, str) else content)
+        with temporary.open("xb") as file:
+            file.write(content.encode() if isinstance(content, str) else content)
+            file.flush()
+            os.fsync(file.fileno())
         temporary.replace(path)
     finally:
         temporary.unlink(missing_ok=True)

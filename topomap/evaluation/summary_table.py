@@ -26,8 +26,20 @@ def table_rows(summary: Summary) -> list[tuple[str, str]]:
         ("distance scale", _scale(_part(summary, "distance_scale"), ".4f", "")),
         ("curvature", _scale(_part(summary, "curvature"), ".5f", " rad/m")),
         ("home", _home(home)),
+        ("declared sigma x", _odometer(_part(summary, "trust"))),
+        ("map kept", str(_part(summary, "trust")["kept"] or MISSING)),
         ("graph hash", str(summary["graph_hash"])[:16] or MISSING),
+        *_troubles(summary),
     ]
+
+
+def _troubles(summary: Summary) -> list[tuple[str, str]]:
+    """Return a row for what ended the run and one for what its log lacks, where there is such a thing."""
+    rows = [("fault", str(summary["fault"]))] if summary.get("fault") else []
+    log = summary.get("log")
+    if isinstance(log, Mapping) and log["state"] != "whole":
+        rows.append(("log", f"{log['state']}: {log['note']}"))
+    return rows
 
 
 def _part(summary: Summary, key: str) -> Part:
@@ -62,6 +74,15 @@ def _scale(part: Part, form: str, unit: str) -> str:
     if part["found"] is None:
         return f"unobserved, true {true}{unit}" if part["sigma"] is not None else MISSING
     return f"{_text(part['found'], form)} ± {sigma}, true {true}{unit}"
+
+
+def _odometer(part: Part) -> str:
+    """Say what its declared errors are taken times: sigmas, which people think in, not variances."""
+    way, turn = (
+        f"{value**0.5:.2f}" if isinstance(value, int | float) else MISSING
+        for value in (part["way_noise"], part["turn_noise"])
+    )
+    return f"{way} (way), {turn} (turn)"
 
 
 def _home(part: Part) -> str:

@@ -24,7 +24,7 @@ from topomap.experiments.study import Finding, Lab, row_values
 from topomap.report.figures import style
 from topomap.vision.arena import Arena
 from topomap.vision.contracts import Needs
-from topomap.vision.homing.run_down import FIELDS, RunDown
+from topomap.vision.homing.run_down import COUNT, FIELDS, RunDown, Selection
 from topomap.vision.homing.view_vector import vector_home
 
 WALL, HALF, SPACING = 6.0, 2.0, 0.5
@@ -36,7 +36,7 @@ STARTS, AWAY, REACHED, FARTHEST, MOST = 8, 1.6, 0.25, 3.0, 200
 """Runs start at so many places this far from home; home counts as reached, and the run as lost, this far from it [m];
 the most moves.
 """
-EVERY_COLUMN = RunDown(selection=False)
+EVERY_COLUMN = RunDown(selection="all")
 """The pillars alone are bright, so every column may count; a fixed number of them would cut some off."""
 COLOURS = (style.RED, style.BLUE, style.BLACK, style.PURPLE)
 """M_1 .. M_4 as in the thesis."""
@@ -58,13 +58,15 @@ In pairs one landmark's image comes to lie on the other's, where the image diffe
 class RouteModel:
     """One of the four fields as a homing method of its own: number 0 .. 3 for M_1 .. M_4 (5.10).
 
-    selection: only the automatically chosen columns count (H23).
+    selection, colour, count: which columns count and of which channels, as in `RunDown`.
     """
 
     needs: ClassVar[Needs] = Needs(compass=True)
     claims_homing: ClassVar[bool] = False
     number: int
-    selection: bool = False
+    selection: Selection = "all"
+    colour: bool = False
+    count: int = COUNT
 
     def describe(self, panorama: Panorama) -> Panorama:
         """Return the view itself: both views are compared column by column."""
@@ -72,7 +74,7 @@ class RouteModel:
 
     def home(self, current: Panorama, goal: Panorama) -> HomeVector:
         """Return the bearing [rad] the field tells in the aligned frame. Raises ShapeError."""
-        x, y = RunDown(selection=self.selection).field(current, goal, self.number)
+        x, y = RunDown(self.selection, self.colour, self.count).field(current, goal, self.number)
         return vector_home(x, y, 1.0)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from topomap.core.arrays import FloatArray, IntArray
 from topomap.core.geometry import Pose2
 from topomap.core.records import CalibrationState, Decision, MapChange, StepRecord, Travel, Verdict
 from topomap.core.robot import Reading, Truth, TruthSource
+from topomap.core.run_data import Trust
 from topomap.recording import encode
 
 
@@ -31,7 +32,8 @@ class FinalMap:
 
     stamps_ns (N,); poses (N, 3) the trajectory in the map frame; nodes (id, stamp [ns], pose, snapshot); edges
     (a, b, kind); claimed: the robot said it arrived, None when it wasn't sent anywhere; decisions: the verdicts that
-    the last solve, after the last step, changed.
+    the last solve, after the last step, changed; trust: what the map makes of its evidence;
+    fault: what ended the run before its time.
     """
 
     stamps_ns: IntArray
@@ -44,6 +46,9 @@ class FinalMap:
     claimed: bool | None = None
     goal_node: int | None = None
     decisions: tuple[Decision, ...] = ()
+    trust: Trust = field(default_factory=Trust)
+    topology_hash: str = ""
+    fault: str = ""
 
 
 class RunRecorder:
@@ -62,17 +67,32 @@ class RunRecorder:
         self._map_stale = False
         self._map_age = self._map_size = 0
         self._stamp = 0
+        self._sensed: Reading | None = None
+
+    def sensed(self, reading: Reading, truth: Truth | None = None) -> None:
+        """Write one reading, before the stack takes it: whatever it leads to, it is on record.
+
+        Raises LogError when the log can't be written, or the reading can't be logged.
+        """
+        stamp_ns = int(reading.stamp_ns)
+        self._recorder.check(stamp_ns)
+        self._stamp, self._sensed = stamp_ns, reading
+        self._write_reading(reading, truth or (self._source.truth() if self._source else None))
 
     def observe(self, reading: Reading, record: StepRecord, truth: Truth | None = None) -> None:
-        """Write one step; raises LogError when the log can't be written."""
-        self._stamp = reading.stamp_ns
-        self._write_reading(reading, truth or (self._source.truth() if self._source else None))
+        """Write one step, and its reading if that wasn't written; raises LogError when the log can't be written."""
+        if self._sensed is not reading:
+            self.sensed(reading, truth)
         self._write_poses(record)
         self._write_change(record.change, record.travel)
         self._write_mission(record)
         self._write_timings(record.timings)
         self._write_text(reading, record)
         self._write_map(record.change)
+
+    def say(self, name: str, message: str, error: bool = False) -> None:
+        """Write a line for people; raises LogError when the log can't be written."""
+        self._say(log.Level.ERROR if error else log.Level.WARNING, name, message)
 
     def finish(self, final: FinalMap) -> None:
         """Write the finished map and its trajectory; raises LogError when the log can't be written."""
@@ -201,4 +221,9 @@ def _final(final: FinalMap) -> log.Final:
         graph_hash=final.graph_hash,
         claimed=final.claimed,
         goal_node=final.goal_node,
+        kept=final.trust.kept or None,
+        way_noise=final.trust.way_noise,
+        turn_noise=final.trust.turn_noise,
+        topology_hash=final.topology_hash,
+        fault=final.fault or None,
     )

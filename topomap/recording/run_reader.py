@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import warnings
 from pathlib import Path
 from typing import TypeVar
 
@@ -16,10 +17,11 @@ from logs.replay import decoded
 from topomap.core.arrays import FloatArray, Image
 from topomap.core.errors import DataError
 from topomap.core.records import CalibrationState, Decision, Phase, Verdict
-from topomap.core.run_data import NodeData, RunData
+from topomap.core.run_data import NodeData, RunData, Trust
 from topomap.recording import decode
 from topomap.recording import steps as columns
 from topomap.recording.steps import Steps, read_steps
+from topomap.recording.true_nodes import ATTACHMENT, parse_truths
 
 R = TypeVar("R")
 
@@ -34,8 +36,25 @@ TOPICS = (
 BEFORE = (20, 10)  # steps before the first closure whose panoramas are shown
 
 
+class PartialLogWarning(UserWarning):
+    """A log that was read isn't whole: it was cut off, damaged, repaired, or can't be verified."""
+
+
 def load_run(path: Path | str) -> RunData:
-    """Return a run from its log, complete or cut off.
+    """Return a run from its log, whole or not; what isn't is a PartialLogWarning and in log_state and log_note.
+
+    Where the run was cut off before its finished map was written, graph_hash is empty, there are no edges, and
+    the final trajectory and the nodes' poses are those of the online estimate. Raises DataError with one
+    line when the log can't be read or holds no whole step.
+    """
+    run = read_run(path)
+    if run.log_state != "whole":
+        warnings.warn(f"{path}: {run.log_state}: {run.log_note}", PartialLogWarning, stacklevel=2)
+    return run
+
+
+def read_run(path: Path | str) -> RunData:
+    """Return a run from its log, as `load_run` does, without a warning.
 
     Where the run was cut off before its finished map was written, graph_hash is empty, there are no edges, and
     the final trajectory and the nodes' poses are those of the online estimate. Raises DataError with one
@@ -45,7 +64,11 @@ def load_run(path: Path | str) -> RunData:
         with LogReader(path, skip_damaged=True) as log_file:
             return _load(log_file)
     except LogError as error:
-        raise DataError(str(error)) from error
+        text = str(error)
+        raise DataError(text if str(path) in text else f"{path}: {text}") from error
+    except (ValueError, TypeError, OverflowError, RecursionError, MemoryError) as error:
+        # what is in the records is what somebody wrote: a verdict of another name, a matrix of other numbers
+        raise DataError(f"{path}: holds values that no run writes ({type(error).__name__}: {error})") from error
 
 
 def _load(log_file: LogReader) -> RunData:
@@ -57,6 +80,7 @@ def _load(log_file: LogReader) -> RunData:
     closures = rows.records(topics.CLOSURES, log.Closure)
     decisions = tuple(decode.decision(stored) for _, stored in closures)
     performance = _last(rows, topics.PERFORMANCE, log.Performance)
+    nodes = _nodes(rows, final)
     return RunData(
         world=header.world,
         seed=header.seed,
@@ -74,7 +98,8 @@ def _load(log_file: LogReader) -> RunData:
         place_difference=steps.difference("place"),
         homing_difference=steps.difference("homing"),
         threshold=_threshold(steps),
-        nodes=_nodes(rows, final),
+        nodes=nodes,
+        earlier=_earlier(log_file, nodes),
         edges=() if final is None else tuple((edge.a, edge.b, edge.kind) for edge in final.edges),
         decisions=decisions,
         calibration=_calibration(rows, final),
@@ -85,8 +110,13 @@ def _load(log_file: LogReader) -> RunData:
         milestones=_milestones(steps),
         replayed=header.replayed,
         graph_hash="" if final is None else final.graph_hash,
+        trust=Trust() if final is None else Trust(final.kept or "", final.way_noise, final.turn_noise),
         stage_ms=steps.stage_ms,
         steps_per_s=None if performance is None else performance.steps_per_s,
+        topology_hash=(final and final.topology_hash) or "",
+        fault=(final and final.fault) or "",
+        log_state=log_file.state.word,
+        log_note=log_file.state.note,
     )
 
 
@@ -115,6 +145,13 @@ def _nodes(rows: Gathered, final: log.Final | None) -> tuple[NodeData, ...]:
         NodeData(node.node, node.stamp_ns, np.array([node.pose.x, node.pose.y, node.pose.heading]), node.snapshot)
         for node in stored
     )
+
+
+def _earlier(log_file: LogReader, nodes: tuple[NodeData, ...]) -> dict[int, FloatArray]:
+    """Return the true poses of the nodes that the run began with, by stamp."""
+    content = log_file.attachment(ATTACHMENT)
+    known = parse_truths(content.decode(), ATTACHMENT) if content else {}
+    return {node.stamp_ns: np.array(known[node.node]) for node in nodes if node.node in known}
 
 
 def _calibration(rows: Gathered, final: log.Final | None) -> CalibrationState | None:

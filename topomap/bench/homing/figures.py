@@ -6,7 +6,6 @@ import math
 from collections.abc import Sequence
 from pathlib import Path
 
-import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
@@ -19,7 +18,9 @@ from topomap.bench.homing.bench import Entry, Row, Table
 from topomap.core.arrays import FloatArray
 from topomap.core.records import Plan
 from topomap.evaluation.statistics import angular_errors
+from topomap.evaluation.summary import write_whole
 from topomap.report.figures import style
+from topomap.report.figures.style import literal, png
 from topomap.vision.arena import Point, bearings_home
 
 ERRORS: Colormap = LinearSegmentedColormap.from_list("errors", ["#0072B2", "#56B4E9", "#E69F00", "#D55E00", "#7A1F00"])
@@ -72,7 +73,9 @@ def method_figure(table: Table, entry: Entry, row: Row) -> Figure:
     count = (not entry.acting) + walked
     width, height = _shape(entry)
     figure = style.canvas(count * 4.6 * width + 0.9, 4.6 * height + 0.7)
-    figure.suptitle(f"{row.method} in {table.environment}, seed {table.seeds[0]}", fontsize=11, x=0.01, ha="left")
+    figure.suptitle(
+        literal(f"{row.method} in {table.environment}, seed {table.seeds[0]}"), fontsize=11, x=0.01, ha="left"
+    )
     panels = np.atleast_1d(figure.subplots(1, max(count, 1)))
     if not entry.acting:
         vector_map(panels[0], entry)
@@ -96,7 +99,9 @@ def sheet(table: Table) -> Figure:
     width, height = _shape(table.entries[0], CLOSE)
     figure = style.canvas(columns * 2.5 * width + 0.9, lines * (2.5 * height + 0.42) + 0.5)
     heading = "compass given" if table.compass_error is None else f"compass {table.compass}"
-    figure.suptitle(f"Home vectors in {table.environment}, {heading}, best first", fontsize=12, x=0.01, ha="left")
+    figure.suptitle(
+        literal(f"Home vectors in {table.environment}, {heading}, best first"), fontsize=12, x=0.01, ha="left"
+    )
     panels = np.atleast_1d(figure.subplots(lines, columns)).ravel()
     for axes, (entry, row) in zip(panels, shown, strict=False):
         vector_map(axes, entry, margin=CLOSE)
@@ -112,8 +117,7 @@ def sheet(table: Table) -> Figure:
 
 def save(figure: Figure, path: Path) -> Path:
     """Write a figure as PNG, the same bytes every time, and return its path."""
-    with matplotlib.rc_context({"savefig.dpi": 130}):
-        figure.savefig(path, metadata={"Software": None})
+    write_whole(path, png(figure, 130))
     return path
 
 

@@ -28,6 +28,6 @@ def firmness(rows: Sequence[RecordingRow]) -> Figure:
         known = [(getattr(row, name), groups.index(row.group)) for row in rows if getattr(row, name) is not None]
         if known:
             style.mark(axes, np.array(known, float), style.Mark(style.RED, "o", title))
-    panels[0].set_yticks(range(len(groups)), groups)
+    panels[0].set_yticks(range(len(groups)), [style.literal(group) for group in groups])
     panels[0].set_ylim(len(groups) - 0.5, -0.5)
     return figure

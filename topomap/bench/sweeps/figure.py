@@ -26,7 +26,7 @@ def swept(runs: Sequence[SweptRun]) -> Figure:
     _one(recall, list(rows.values()), COLUMNS["recall"], "recall", "share of possible closures")
     _one(false, list(rows.values()), COLUMNS["closures_false"], "false closures", "accepted")
     _sigmas(sigmas, list(rows.values()))
-    ate.set_yticks(range(len(rows)), list(rows), fontsize=8)
+    ate.set_yticks(range(len(rows)), [style.literal(row) for row in rows], fontsize=8)
     ate.set_ylim(len(rows) - 0.5, -0.5)
     recall.set_xlim(-0.03, 1.03)
     false.set_xlim(-0.3, max(3.0, false.get_xlim()[1]))

@@ -29,6 +29,14 @@ def explanation(
     below.plot(np.degrees(curve[0]), curve[1], color=style.RED, linewidth=1.4)
     below.axvline(np.degrees(claimed), color=style.BLACK, linestyle="--", linewidth=1.0)
     axes[-1].set_axis_off()
-    axes[-1].text(0.0, 1.0, "\n".join(lines), va="top", fontsize=8.5, family="monospace", transform=axes[-1].transAxes)
-    figure.suptitle(title, x=0.01, ha="left", fontsize=11)
+    axes[-1].text(
+        0.0,
+        1.0,
+        style.literal("\n".join(lines)),
+        va="top",
+        fontsize=8.5,
+        family="monospace",
+        transform=axes[-1].transAxes,
+    )
+    figure.suptitle(style.literal(title), x=0.01, ha="left", fontsize=11)
     return figure

@@ -37,7 +37,7 @@ def draw_plan(axes: Axes, run: RunData) -> None:
     for x, y, radius in run.plan.circles:
         axes.add_patch(Circle((x, y), radius, facecolor="#E4E4E4", edgecolor="#9A9A9A", linewidth=0.8))
     for x, y, text in run.plan.labels:
-        axes.text(x, y, text, fontsize=8, color="#6A6A6A", ha="center", va="center", clip_on=True)
+        axes.text(x, y, style.literal(text), fontsize=8, color="#6A6A6A", ha="center", va="center", clip_on=True)
 
 
 def draw_routes(axes: Axes, run: RunData) -> None:

@@ -20,6 +20,7 @@ from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
 from topomap.core.arrays import FloatArray
+from topomap.core.names import printable
 from topomap.core.run_data import RunData
 from topomap.evaluation.closures import Closure, accepted
 from topomap.evaluation.journey import handover_step
@@ -66,9 +67,14 @@ def canvas(width: float = 7.4, height: float = 3.6) -> Figure:
     return figure
 
 
+def literal(text: str) -> str:
+    """Return somebody's words as matplotlib shall draw them: dollar signs begin no formula."""
+    return printable(text).replace("$", r"\$")
+
+
 def dress(axes: Axes, title: str, x: str = "", y: str = "") -> None:
     """Give axes their title, labels and quiet lines."""
-    axes.set_title(title, loc="left", fontsize=10.5)
+    axes.set_title(literal(title), loc="left", fontsize=10.5)
     axes.set_xlabel(x, fontsize=9.5)
     axes.set_ylabel(y, fontsize=9.5)
     axes.tick_params(labelsize=9, color=PALE)

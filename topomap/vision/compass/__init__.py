@@ -1,5 +1,7 @@
 """Aligners: how the current view is turned against the goal view, one file per method."""
 
+import math
+
 from topomap.vision.compass.convergence_points import ConvergencePoints
 from topomap.vision.compass.epipolar_compass import EpipolarCompass
 from topomap.vision.compass.given import GivenHeading
@@ -10,6 +12,7 @@ from topomap.vision.compass.scale_plane_compass import ScalePlaneCompass
 from topomap.vision.compass.visual_compass import VisualCompass
 from topomap.vision.contracts import Aligner
 from topomap.vision.homing.auto import Auto
+from topomap.vision.homing.scan import ScanMatching
 
 ALIGNERS: dict[str, Aligner] = {
     "visual-compass": VisualCompass(),
@@ -25,6 +28,8 @@ ALIGNERS: dict[str, Aligner] = {
     "convergence-points": ConvergencePoints(),
     "epipolar": EpipolarCompass(),
     "auto": Auto(),
+    "auto-fast": Auto(keypoints=False),
+    "scan-compass": ScanMatching(window=math.pi),
 }
 
 __all__ = [

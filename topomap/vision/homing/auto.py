@@ -10,9 +10,9 @@ from topomap.core.panorama import Panorama
 from topomap.core.records import Alignment, HomeVector
 from topomap.vision.aligned_homing import Turned
 from topomap.vision.contracts import Needs, Origin
-from topomap.vision.homing.area_centroid import AreaCentroid
 from topomap.vision.homing.dtw import DynamicWarping
 from topomap.vision.homing.epipolar import Epipolar, home_of
+from topomap.vision.homing.scan import NEAR_PRIOR, ScanMatching
 from topomap.vision.homing.view_vector import same_views
 from topomap.vision.image.aligned_difference import aligned_difference
 from topomap.vision.image.scale_planes import WARPING, WarpingSpec, warping_view
@@ -21,9 +21,13 @@ from topomap.vision.matching.warping import best, warp
 Choice = Literal["epipolar", "range", "dtw", "warping", "none"]
 CHANCE = -1.1
 """Log odds of being within 45 deg without any evidence: a quarter of all directions is."""
-CALIBRATION: dict[Choice, float] = {"epipolar": 2.76, "range": 5.15, "dtw": 7.35, "warping": 10.74}
+CALIBRATION: dict[Choice, float] = {"epipolar": 2.76, "range": 4.0, "dtw": 7.35, "warping": 10.74}
 """Slope of the logistic P(error < 45 deg) over each choice's own evidence (tests/vision/calibration.py)."""
-CENTROID, DTW, EPIPOLAR = AreaCentroid(), DynamicWarping(), Epipolar()
+DTW, EPIPOLAR, NEAR = DynamicWarping(), Epipolar(), ScanMatching()
+DOUBTFUL, CLEARLY = 0.4, 1.5
+"""A fit of fewer rays is doubted, and another rotation believed that fits so much better: the right one fits 0.2 of a
+hall's rays behind pillars, 0.5 in a room; turned rooms fit nearly as well, so that the images decide between them.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,10 +41,11 @@ class Answer:
 
 @dataclass(frozen=True, slots=True)
 class Auto:
-    """Matched points where enough of them agree; else, after A6, the area centroid where there are ranges, DTW near
-    the goal (aligned image difference below `near`), min-warping far from it; own compass.
+    """Matched points where enough of them agree; else, after A6, the scans where there are ranges, DTW near the goal
+    (aligned image difference below `near`), min-warping far from it; own compass.
 
-    The distance is the area centroid's where there are ranges. The confidence is P(error < 45 deg), calibrated on
+    keypoints False: without matched points, which take most of the time. The distance is the scans' where there are
+    ranges. The confidence is P(error < 45 deg), calibrated on
     generated rooms; 0 at the goal itself and where there is nothing to see. points: how many agreeing points are
     enough; window [rad]: how far the views may be turned against each other, or from a prior.
     """
@@ -48,6 +53,7 @@ class Auto:
     origin: ClassVar[Origin] = Origin("own", "picks by what is there")
     needs: ClassVar[Needs] = Needs()
     claims_homing: ClassVar[bool] = True
+    keypoints: bool = True
     near: float = 0.6
     points: float = 6.0
     window: float = math.pi
@@ -68,22 +74,40 @@ class Auto:
     def answer(self, current: Panorama, goal: Panorama, prior: float | None = None) -> Answer:
         """Return the answer with what gave it. Raises ShapeError."""
         same_views(current, goal)
+        return (self._pointed(current, goal, prior) if self.keypoints else None) or self._turned(current, goal, prior)
+
+    def _pointed(self, current: Panorama, goal: Panorama, prior: float | None) -> Answer | None:
+        """Answer by matched points where enough of them agree."""
         found = EPIPOLAR.movement(
-            EPIPOLAR.describe(current), EPIPOLAR.describe(goal), prior, min(self.window, math.radians(30.0))
+            EPIPOLAR.describe(current), EPIPOLAR.describe(goal), prior, min(self.window, NEAR_PRIOR)
         )
         agreed = found.points * found.contrast
-        if agreed >= self.points:
-            home = home_of(found)
-            return self._sure(
-                "epipolar", math.log(agreed), Alignment(found.rotation, 1.0 - found.support, home), current, goal
-            )
-        turned = best(
-            warp(warping_view(current, self.spec), warping_view(goal, self.spec), prior, min(self.window, 0.5236))
-        )
+        if agreed < self.points:
+            return None
+        aligned = Alignment(found.rotation, 1.0 - found.support, home_of(found))
+        return self._sure("epipolar", math.log(agreed), aligned, current, goal)
+
+    def _turned(self, current: Panorama, goal: Panorama, prior: float | None) -> Answer:
+        """Answer by the rotation of min-warping and what fits best then."""
+        here, there = warping_view(current, self.spec), warping_view(goal, self.spec)
+        turned = best(warp(here, there, prior, min(self.window, NEAR_PRIOR)))
+        scanned = self._scanned(current, goal, prior, turned.rotation)
+        if scanned is not None:
+            # scans of alike rooms lie well on one another: only the images tell whether it is this place at all
+            return self._sure("range", max(1.0 - turned.residual, 0.0), scanned, current, goal)
         if turned.home is None or turned.home.confidence <= 0.0:
             nothing = Alignment(turned.rotation, turned.residual, HomeVector(0.0, None, 0.0))
             return Answer("none", 0.0, nothing)
         return self._warped(turned, turned.home, current, goal)
+
+    def _scanned(self, current: Panorama, goal: Panorama, prior: float | None, rotation: float) -> Alignment | None:
+        """Return where the scans fit best, turned as the images say or, where that fits far worse, anyhow."""
+        near = NEAR.align(current, goal, rotation)
+        anyhow = near
+        if 1.0 - near.residual < DOUBTFUL:
+            anyhow = replace(NEAR, window=self.window).align(current, goal, prior)
+        found = anyhow if 1.0 - anyhow.residual > CLEARLY * (1.0 - near.residual) else near
+        return found if found.home is not None and found.home.confidence > 0.0 else None
 
     def _warped(self, turned: Alignment, home: HomeVector, current: Panorama, goal: Panorama) -> Answer:
         aligned = Turned.of(current, turned.rotation)
@@ -91,11 +115,6 @@ class Auto:
         matched = aligned.back(match.home)
         # two methods that go wrong in different ways: where they agree, both are likely right
         agreement = 0.5 + 0.5 * math.cos(matched.bearing - home.bearing)
-        if current.ranges is not None and goal.ranges is not None:
-            metric = CENTROID.home(CENTROID.describe(aligned.view), CENTROID.describe(goal))
-            if metric.confidence > 0.0:
-                found = replace(turned, home=aligned.back(metric))
-                return self._sure("range", 1.0 - turned.residual, found, current, goal)
         if aligned_difference(current, goal, turned.rotation) < self.near:
             return self._sure("dtw", (1.0 - match.cost) * agreement, replace(turned, home=matched), current, goal)
         return self._sure("warping", home.confidence * agreement, turned, current, goal)
@@ -111,8 +130,6 @@ class Auto:
 
 
 def _distance(current: Panorama, goal: Panorama, rotation: float) -> float | None:
-    """Return how far the area centroid lies off [m], where both views have ranges."""
-    if current.ranges is None or goal.ranges is None:
-        return None
-    metric = CENTROID.home(CENTROID.describe(current.rotated(rotation)), CENTROID.describe(goal))
-    return metric.distance if metric.confidence > 0.0 else None
+    """Return how far the goal lies off [m], where both views have ranges."""
+    found = NEAR.align(current, goal, rotation).home
+    return found.distance if found is not None and found.confidence > 0.0 else None

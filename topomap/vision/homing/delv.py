@@ -15,6 +15,7 @@ from topomap.vision.contracts import Needs, Origin
 from topomap.vision.homing.alv import Recipe, landmarks
 from topomap.vision.homing.view_vector import same_camera, vector_home
 from topomap.vision.image.landmarks import EDGES, Landmarks, MarkerSpec, matched
+from topomap.vision.image.laser_landmarks import JumpSpec
 
 NOWHERE = HomeVector(0.0, None, 0.0)
 
@@ -38,6 +39,8 @@ class DistanceLandmarkVector:
     @property
     def origin(self) -> Origin:
         """Row and source of this variant."""
+        if isinstance(self.recipe, JumpSpec):
+            return Origin("H3", "2.4, 2.6.5.4; Yu, Kim 2010")
         if self.levels:
             return Origin("H3", "2.4, fig. 5.33")
         return Origin("H3", "2.4; Yu, Kim 2010" if self.pairing == "matched" else "2.4, all pairings")
@@ -45,7 +48,8 @@ class DistanceLandmarkVector:
     @property
     def claims_homing(self) -> bool:
         """Whether the landmarks are the same ones in both views, as in `AverageLandmarkVector`."""
-        return self.pairing == "matched" or isinstance(self.recipe, MarkerSpec)
+        same = self.pairing == "matched" and not isinstance(self.recipe, JumpSpec)
+        return same or isinstance(self.recipe, MarkerSpec)
 
     def describe(self, panorama: Panorama) -> Landmarks:
         """Return the landmarks with their distances [m]."""

@@ -7,11 +7,12 @@ from typing import ClassVar
 
 import numpy as np
 
+from topomap.core.arrays import FloatArray, IndexArray
 from topomap.core.panorama import Panorama
 from topomap.core.records import HomeVector
 from topomap.vision.contracts import GoalView, Needs, Origin
 from topomap.vision.homing.view_vector import ViewVector, difference, same_views, vector_home
-from topomap.vision.image.haar_masks import MaskSpec, masks, scores
+from topomap.vision.image.haar_masks import WIDE, MaskSpec, masks, scores
 
 MASKS = MaskSpec()
 
@@ -44,18 +45,23 @@ class RandomMasks:
 @dataclass(frozen=True, slots=True)
 class ReferenceMasks:
     """Score differences to three references: X = sum |S_X - S| - sum |S_0 - S|, Y alike, home = atan2(Y, X)
-    (4.13-4.15); bearing only.
+    (4.13-4.15); bearing only. Where several masks share a direction, the one that scores best at the goal counts.
     """
 
     needs: ClassVar[Needs] = Needs(compass=True)
-    claims_homing: ClassVar[bool] = True
-    spec: MaskSpec = MASKS
+    spec: MaskSpec = WIDE
     step: float = 0.1
 
     @property
     def origin(self) -> Origin:
         """Row and source of this variant."""
-        return Origin("H20", "4.13-4.15, fig. 4.35" if self.spec.even else "4.13-4.15")
+        best = ", best of each direction" if self.spec.candidates > 1 else ""
+        return Origin("H20", f"4.13-4.15, fig. 4.35{best}" if self.spec.even else "4.13-4.15")
+
+    @property
+    def claims_homing(self) -> bool:
+        """Whether the masks are large enough to see the goal from afar (`WIDE`)."""
+        return self.spec.height[0] >= WIDE.height[0]
 
     def home(self, current: Panorama, goal: GoalView) -> HomeVector:
         """Return the bearing [rad] of the goal in the aligned frame. Raises ShapeError."""
@@ -63,6 +69,15 @@ class ReferenceMasks:
         here, *there = (
             p.derived(self.spec, lambda q: scores(q, self.spec)) for p in (current, goal.home, goal.x, goal.y)
         )
-        apart = [float(np.abs(score - here).mean()) for score in there]
+        chosen = self._chosen(there[0])
+        apart = [float(np.abs(score - here)[chosen].mean()) for score in there]
         x, y = apart[1] - apart[0], apart[2] - apart[0]
         return vector_home(x, y, sum(apart) + 1e-9, 1.0 if here.any() and apart[0] > 1e-9 else 0.0)
+
+    def _chosen(self, scores_home: FloatArray) -> IndexArray:
+        """Return which masks count: of each direction's candidates the one of the highest score at the goal (4.35)."""
+        most = self.spec.candidates
+        if most < 2:
+            return np.arange(len(scores_home))
+        groups = scores_home[: len(scores_home) // most * most].reshape(-1, most)
+        return np.asarray(np.arange(len(groups)) * most + groups.argmax(axis=1), np.intp)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -10,7 +11,8 @@ import numpy as np
 from topomap.core.arrays import Float32Array, FloatArray
 from topomap.core.errors import DataError
 from topomap.core.panorama import Panorama
-from topomap.vision.image.ground_line import ground_line, ground_ranges
+from topomap.core.rig import Rig
+from topomap.vision.image.ground_line import LEAST, ground_line, ground_ranges
 
 Source = Literal["range", "ground", "polynomial", "equal"]
 FAR = 50.0
@@ -39,7 +41,10 @@ def _distances(panorama: Panorama, source: Source) -> Distances:
         return filled(panorama.ranges)
     if source == "ground":
         return filled(ground_ranges(panorama))
-    return Distances(polynomial(panorama.rig.height - 0.5 - ground_line(panorama).rows), 1.0)
+    line, rig = ground_line(panorama), panorama.rig
+    good = line.seen & (line.rows - rig.horizon_row >= LEAST)
+    fitted = polynomial(rig.height - 0.5 - line.rows, *fitted_coefficients(rig))
+    return filled(np.where(good, fitted, np.nan).astype(np.float32))
 
 
 def filled(ranges: Float32Array) -> Distances:
@@ -52,10 +57,24 @@ def filled(ranges: Float32Array) -> Distances:
     return Distances(metres, len(measured) / len(ranges))
 
 
-def polynomial(rows_up: FloatArray) -> FloatArray:
-    """Return the distance [m] of a ground line `rows_up` (...) pixels above the lowest row.
+PRINTED = (0.10, 0.05, 0.000143, 0.0000018)
+"""(5.1) in metres, whose coefficients are printed in reverse order: of the thesis's own mirror."""
 
-    (5.1), whose coefficients are printed in reverse order: d [cm] = 10 + 5 d_r + 0.0143 d_r^2 + 0.00018 d_r^3.
+
+def polynomial(rows_up: FloatArray, *coefficients: float) -> FloatArray:
+    """Return the distance [m] of a ground line `rows_up` (...) pixels above the lowest row: a cubic (5.1).
+
+    coefficients [m]: of rows_up^0 and so on; none: as printed, d [cm] = 10 + 5 d_r + 0.0143 d_r^2 + 0.00018 d_r^3.
     """
-    metres: FloatArray = (10.0 + 5.0 * rows_up + 0.0143 * rows_up**2 + 0.00018 * rows_up**3) / 100.0
-    return metres
+    return np.asarray(np.polynomial.polynomial.polyval(rows_up, coefficients or PRINTED), np.float64)
+
+
+@lru_cache(maxsize=8)
+def fitted_coefficients(rig: Rig) -> tuple[float, ...]:
+    """Return the cubic's coefficients [m] for a rig: least squares of the ratio to its floor's true distances."""
+    rows = np.arange(rig.horizon_row + LEAST, rig.height, 0.5)
+    if len(rows) < 4:
+        return (0.0, 0.0, 0.0, 0.0)
+    true = rig.camera_height * rig.focal / (rows - rig.horizon_row)
+    powers = np.vander(rig.height - 0.5 - rows, 4, increasing=True)
+    return tuple(np.linalg.lstsq(powers / true[:, np.newaxis], np.ones(len(rows)), rcond=None)[0].tolist())

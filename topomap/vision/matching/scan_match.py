@@ -1,0 +1,101 @@
+"""Relative pose of two range scans, by point-to-line alignment (Censi 2008, with a redescending weight)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from topomap.core.arrays import Float32Array, FloatArray
+from topomap.core.geometry import wrap
+from topomap.vision.matching.scan_kernels import normal_equations, surfaces
+
+
+@dataclass(frozen=True, slots=True)
+class Surfaces:
+    """How well a scan's surfaces are known.
+
+    flatness: how much a surface may bend; widest, narrowest: pairs further apart don't count at first and in the end
+    [m]; min_share: of all rays that must find a partner; sigma: least error of a pair [m].
+    """
+
+    flatness: float
+    widest: float
+    narrowest: float
+    min_share: float
+    sigma: float
+
+
+MEASURED = Surfaces(flatness=0.1, widest=0.3, narrowest=0.05, min_share=0.25, sigma=0.015)
+"""By ranges of 1 cm noise: closures are measured from starts 0.25 m apart, and five sigmas are the end."""
+SEEN = Surfaces(flatness=0.2, widest=0.4, narrowest=0.15, min_share=0.15, sigma=0.04)
+"""By the ground line, which is rougher: a row of the default camera is 3 cm of floor at 1.5 m."""
+NEIGHBOURS = 8
+"""Rays to either side that make a surface: 8 degrees of 720 rays, 0.2 m of a wall at 1.5 m."""
+WINDOW = 10
+"""Rays to either side that a point may be paired with: 5 degrees of 720, an odometry or compass error."""
+ITERATIONS = 12
+"""Steps of the alignment; the last two at the narrowest cutoff."""
+TOLD = 0.04
+"""A direction that a smaller share of the pairs tells isn't told: along bare corridors noisy normals feign a little."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ScanMatch:
+    """`a_from_b` (3,) of two scans with its covariance (3, 3) and the share of rays that found a partner.
+
+    The covariance is that of independent errors of the pairs: large in
+    directions that the surfaces don't constrain, as along a corridor.
+    """
+
+    relative: FloatArray
+    covariance: FloatArray
+    share: float
+
+
+def match_scans(a: Float32Array, b: Float32Array, guess: FloatArray, surfaced: Surfaces = MEASURED) -> ScanMatch | None:
+    """Lay scan b over scan a (both (W,) [m], counter-clockwise from the nose, NaN unmeasured) from a guess (3,) on.
+
+    Returns None where too few rays find a partner.
+    """
+    s = surfaced
+    points, normals = surfaces(a.astype(float), NEIGHBOURS, s.flatness)
+    moved, moved_normals = surfaces(b.astype(float), NEIGHBOURS, s.flatness)
+    pose = np.array(guess, float)
+    for cutoff in np.geomspace(s.widest, s.narrowest, ITERATIONS - 2).tolist() + 2 * [s.narrowest]:
+        information, gradient, error, used = normal_equations(
+            points, normals, moved, moved_normals, pose, cutoff, WINDOW
+        )
+        if used < s.min_share * len(a):
+            return None
+        pose -= _inverse(information, TOLD) @ gradient
+        pose[2] = wrap(float(pose[2]))
+    variance = max(s.sigma**2, error / used)
+    return ScanMatch(pose, variance * _inverse(information, TOLD, UNMEASURED), used / len(a))
+
+
+UNMEASURED = 1e6  # the variance of a direction that too few pairs constrain, in pair variances
+
+
+def _inverse(information: FloatArray, told: float, otherwise: float = 0.0) -> FloatArray:
+    """Invert an information (3, 3) in the directions that enough pairs constrain; the others get `otherwise`.
+
+    Because normals are noisy, every direction looks constrained a little, even along a bare corridor, and the position
+    along it looks coupled with the turn. So unconstrained directions of the position are removed first: otherwise their
+    uncertainty would spread into the turn, which the walls measure well. The turn is scaled by how far it moves the
+    points, so that all three directions are measured in pairs.
+    """
+    arm = np.sqrt(max(information[2, 2] / max(information[0, 0] + information[1, 1], 1e-12), 1e-12))
+    scale = np.array([1.0, 1.0, 1.0 / arm])
+    pairs = information * np.outer(scale, scale)
+    values, directions = np.linalg.eigh(pairs)
+    least = told * float(values[-1])
+    untold = directions[:2, (values <= least) & (directions[2] ** 2 < 0.5)]
+    shifts, _, _ = np.linalg.svd(untold)
+    lost, kept = np.zeros((3, untold.shape[1])), np.eye(3)[:, untold.shape[1] :]
+    lost[:2], kept[:2, :-1] = np.split(shifts, [untold.shape[1]], axis=1)
+    values, directions = np.linalg.eigh(kept.T @ pairs @ kept)
+    directions = kept @ directions
+    weights = np.where(values > least, 1.0 / np.maximum(values, 1e-12), otherwise)
+    inverse: FloatArray = ((directions * weights) @ directions.T + otherwise * lost @ lost.T) * np.outer(scale, scale)
+    return inverse
