@@ -27,7 +27,7 @@ class Navigator:
         relocalise: Relocalise,
     ) -> None:
         self.mapper = mapper
-        self._localiser = localiser
+        self.localiser = localiser
         self._mission = mission
         self._traveller = traveller
         self._active = active
@@ -50,11 +50,11 @@ class Navigator:
         watch.lap("panorama")
         change = self.mapper.update(reading, panorama)
         watch.lap("map")
-        where = self._localiser.update(panorama, self.mapper, change, reading.driven)
+        where = self.localiser.update(panorama, self.mapper, change, reading.driven)
         goal = self._mission.goal(reading.driven, self.mapper.map)
         watch.lap("localise")
         self.mapper.lost = where.lost > LOST
-        checked = self._relocalise.step(panorama, reading.contact, where, goal, self.mapper.track)
+        checked = self._relocalise.step(panorama, reading.contact, where, goal, self.mapper)
         if checked is None and goal.phase is Phase.TRAVEL:
             checked = self._active.step(panorama, reading.contact, self.mapper)
         if checked is not None:
