@@ -69,10 +69,10 @@ class Belief:
     def __init__(self, mixture: Mixture, topo: TopoMap) -> None:
         self.mixture = mixture
         self._poses = topo.poses.copy()
-        self._since_look = self._since_weighed = math.inf
+        self._since_look, self._since_weighed = math.inf, 0.0
+        self._fresh = True
         self.stretches = 0
         self.likeness = math.nan
-        self.unseen = 0.0  # [m] way since a place was near the likeliest hypothesis
 
     def follow(self, topo: TopoMap, nodes: IntArray) -> None:
         """Carry the hypotheses along when the map was moved."""
@@ -91,7 +91,6 @@ class Belief:
         way = math.hypot(motion.forward, motion.left)
         self._since_look += way
         self._since_weighed += way
-        self.unseen += way
 
     def see(self, panorama: Panorama, mapper: Mapper, first: int) -> None:
         """Hold the hypotheses against the view, where it can have changed since the last look."""
@@ -100,13 +99,16 @@ class Belief:
         self._since_look = 0.0
         nodes = mapper.recognition.nodes()[:first]
         nearby = self._nearby(mapper.map.poses[nodes])
-        due = self._since_weighed >= STRETCH
-        count = 0 if not due else SEARCHED if self.lost > 0.05 else ASIDE
+        due, fresh, self._fresh = self._since_weighed >= STRETCH, self._fresh, False
+        count = 0 if not (due or fresh) else SEARCHED if self.lost > 0.05 else ASIDE
         seen = look(signature(panorama), mapper.recognition, nearby.places[nearby.near], count, first)
         self._compare(seen, nearby, mapper.map.poses[nodes])
         if due:
             self._since_weighed = 0.0
-            self._weigh(seen, mapper.map.poses[nodes])
+            self._weigh(seen)
+        if due or fresh:
+            self._add(seen, mapper.map.poses[nodes])
+            self.mixture = self.mixture.pruned()
         self._fix(panorama, mapper, nodes)
 
     @property
@@ -144,8 +146,6 @@ class Belief:
         least = likeness.min(axis=1)
         self.mixture = replace(self.mixture, best=np.minimum(self.mixture.best, least))
         self.likeness = float(least[np.argmax(self.mixture.weights)])
-        if math.isfinite(self.likeness):
-            self.unseen = 0.0
         alike = np.flatnonzero(least < ALIKE)
         rows = likeness[alike]
         share = np.exp(-0.5 * (np.square(rows) - np.square(rows.min(axis=1))[:, None]) / TELLING**2)
@@ -156,8 +156,8 @@ class Belief:
         poses = np.column_stack([there, wrap_all(heading)])
         self.mixture = self.mixture.measured(alike, poses, np.broadcast_to(BY_VIEW, (len(alike), 3, 3)))
 
-    def _weigh(self, seen: Seen, places: FloatArray) -> None:
-        """Weigh each hypothesis by its best view on the last stretch, and add the places that look like this view."""
+    def _weigh(self, seen: Seen) -> None:
+        """Weigh each hypothesis by its best view on the last stretch."""
         best = self.mixture.best
         told = np.isfinite(best)
         ratios = np.zeros(len(best))
@@ -169,11 +169,9 @@ class Belief:
             ratios[told] = log_ratio(np.array([least]), seen.others) - np.minimum(behind, HARDEST)
         self.mixture = replace(self.mixture.weighed(ratios, ESCAPE), best=np.full(len(best), np.inf))
         self.stretches += 1
-        self._add(seen, places)
-        self.mixture = self.mixture.pruned()
 
     def _add(self, seen: Seen, places: FloatArray) -> None:
-        """Add what looks like the view: each place and rotation was as likely as any other, before it was seen."""
+        """Add the places that look like the view: each, any way round, was as likely as any other before."""
         where, likeness, rotation = seen.minima()
         poses = np.column_stack([places[where, :2], wrap_all(places[where, 2] + rotation)])
         fresh = ~self.mixture.near(poses).any(axis=1) & (likeness < 1.0)

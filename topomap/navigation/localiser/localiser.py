@@ -12,7 +12,7 @@ from topomap.core.geometry import Pose2
 from topomap.core.panorama import Panorama
 from topomap.core.records import Hypothesis, MapChange, Motion, Verdict, Where
 from topomap.mapping.mapper import Mapper
-from topomap.navigation.localiser.belief import Belief
+from topomap.navigation.localiser.belief import REACH, Belief
 from topomap.navigation.localiser.mixture import Mixture
 from topomap.navigation.localiser.start import HERE, Start
 
@@ -37,8 +37,6 @@ ASTRAY, ASTRAY_TURN = 1.0, math.radians(20.0)
 """[m], [rad] Belief and track this far apart tell two places: what a false closure is."""
 DOUBTFUL = 0.1
 """Probability of being lost up to which belief and track are taken to agree."""
-UNKNOWN_GROUND = 2.0
-"""[m] Way without a known place near, after which the robot is on new ground: snapshots are at most 1 m apart."""
 TOLD = 5
 """Rivals that are told."""
 
@@ -54,13 +52,15 @@ class Localiser:
         """start: where the belief begins; on a fresh map there is but one place."""
         self._start = start
         self._belief: Belief | None = None
-        self._lost = False  # from a break on, until the belief is sure again
+        self._lost = start.unknown  # from a break on, until the belief is sure again
         self._right: int | None = None  # the last node of the track that the belief agreed with
 
     def update(self, panorama: Panorama, mapper: Mapper, change: MapChange, driven: bool) -> Where:
         """Return the belief of this step; driven: somebody else has the wheels, and the map grows."""
         if change.broken:
             self._lost, self._belief = True, self._shaken(mapper)
+        elif driven and not self._lost and not _on_known_ground(mapper):
+            self._belief = None
         elif self._belief is None:
             self._belief = self._begun(mapper, change, driven)
         tracked = Where(change.pose, _nearest(change.pose, mapper, mapper.recognition.nodes()), change.difference, 0.0)
@@ -71,8 +71,6 @@ class Localiser:
         event = change.broken or self._mend(where, mapper, driven)
         if not watching:
             return replace(where, event=event)
-        if self._belief is None:
-            return replace(tracked, event=event)
         return replace(tracked, lost=self._doubt(self._belief, mapper), rivals=where.rivals, event=event)
 
     def _shaken(self, mapper: Mapper) -> Belief:
@@ -86,8 +84,9 @@ class Localiser:
         """Return a fresh belief where one is needed: on a journey, where the start isn't the track, on known ground."""
         start, self._start = self._start, HERE
         if start.unknown:
-            self._lost = True
             return Belief(Mixture.unknown(), mapper.map)
+        if driven and not _on_known_ground(mapper) and start.pose is None and start.node is None:
+            return None
         given = start.pose or (mapper.map.pose(start.node) if start.node is not None else None)
         if given is None and driven and not any(d.verdict is Verdict.ACCEPTED for d in change.decisions):
             return None
@@ -114,8 +113,6 @@ class Localiser:
         apart = math.hypot(off.x, off.y) > ASTRAY or abs(off.heading) > ASTRAY_TURN
         if not apart and where.lost < DOUBTFUL:
             self._right = mapper.map.chain[-1]
-        if driven and not self._lost and belief.unseen > UNKNOWN_GROUND:
-            self._belief = None
         if where.lost >= SURE or belief.stretches < STRETCHES:
             return ""
         found, self._lost = self._lost, False
@@ -140,6 +137,15 @@ def _noise(motion: Motion, doubted: bool) -> FloatArray:
     way = abs(motion.forward) + abs(motion.left)
     slip = np.array([SLIP[0] * way, SLIP[1] * way, SLIP[2] * motion.turn])
     return motion.covariance + np.diag(np.square(slip) + np.square(REST))
+
+
+def _on_known_ground(mapper: Mapper) -> bool:
+    """Return whether the track has the robot near a place that it left long enough ago to see it again."""
+    nodes = mapper.recognition.nodes()[: mapper.left_behind]
+    if not len(nodes):
+        return False
+    here = mapper.track.pose
+    return float(np.hypot(mapper.map.poses[nodes, 0] - here.x, mapper.map.poses[nodes, 1] - here.y).min()) <= REACH
 
 
 def _rivals(hypotheses: tuple[Hypothesis, ...]) -> tuple[Hypothesis, ...]:

@@ -98,7 +98,8 @@ class Mixture:
     def shaken(self, doubt: float) -> Mixture:
         """Return the mixture after something that none of the hypotheses survived with a probability of `doubt`."""
         rest = float(np.logaddexp(self.elsewhere + np.log1p(-doubt), np.log(doubt)))
-        return replace(self, weights=self.weights + np.log1p(-doubt), elsewhere=rest).normalised()
+        best = np.full(len(self), np.inf)
+        return replace(self, weights=self.weights + np.log1p(-doubt), best=best, elsewhere=rest).normalised()
 
     def normalised(self) -> Mixture:
         """Return weights that add up to one."""
