@@ -109,6 +109,24 @@ def study(
             console.print(str(path), soft_wrap=True)
 
 
+@benches.command("loop-rule")
+def loop_rule(
+    logs: list[Path] = typer.Argument(help="Logs of drives with truth."),
+    threshold: float = typer.Option(0.8, min=0.01, help="Summed difference that keeps a snapshot; half of it closes."),
+) -> None:
+    """Map logged drives by the thesis's rule (5.2.4) and show it beside the closure engine."""
+    from topomap.app.loop_rule import compare
+    from topomap.mapping.difference_mapping import DifferenceRuleSettings
+
+    for log in logs:
+        rows = compare(log, DifferenceRuleSettings(threshold=threshold))
+        _table(str(log), ("by", "closures", "false", "recall", "ATE [m]", "online [m]"), [
+            (r.who, str(r.accepted), *("-" if v is None else f"{v:.2f}" if isinstance(v, float) else str(v)
+                                       for v in (r.false, r.recall, r.ate, r.online)))
+            for r in rows
+        ])  # fmt: skip
+
+
 @benches.command()
 def mission(
     out: Path = typer.Option(Path("docs") / "THESIS.md", help="File for the table."),
