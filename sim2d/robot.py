@@ -64,7 +64,8 @@ class SimRobot:
         )
         self._missing, self._repeated = stream(seed, "missing frames"), stream(seed, "repeated frames")
         self._frame: tuple[NDArray[np.uint8], bytes] | None = None
-        self._laser = Laser(config.laser, stream(seed, "range noise"))
+        blind = config.laser.scanner == "none"
+        self._laser = None if blind else Laser(config.laser, stream(seed, "range noise"))
         streams = (stream(seed, name) for name in ("drift", "odometry noise", "slip", "floor and load"))
         self._odometer = Odometer(config.odometer, *streams)
         self._way = Way(config.body.step, (self._body.x, self._body.y, self._body.heading))
@@ -114,12 +115,17 @@ class SimRobot:
             stamp_ns=self._stamp(),
             image=image,
             encoded=encoded,
-            ranges=self._laser.scan(self.world, *self._way.back(self._config.laser.lag)),
+            ranges=self._scan(),
             motion=motion,
             rig=self._camera.rig,
             contact=self._body.contact,
             driven=self._driven,
         )
+
+    def _scan(self) -> NDArray[np.float32] | None:
+        if self._laser is None:
+            return None
+        return self._laser.scan(self.world, *self._way.back(self._config.laser.lag))
 
     def act(self, command: Wheels) -> None:
         """Set the wheels for the steps to come; ignored while the driver has them."""

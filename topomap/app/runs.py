@@ -232,6 +232,7 @@ def _final_map(navigator: Navigator, last: StepRecord, steps_per_s: float) -> Fi
         steps_per_s,
         travel is Phase.ARRIVED if asked else None,
         last.goal.node,
+        trust=mapper.optimisation.trust,
         topology_hash=mapper.topology_hash(),
     )
 

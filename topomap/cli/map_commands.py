@@ -1,17 +1,36 @@
-"""Commands that map recordings: map tuc."""
+"""Commands that map recordings: map FOLDER, map tuc."""
 
 from __future__ import annotations
 
 from contextlib import nullcontext
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import typer
+from typer.core import TyperGroup
 
-from topomap.cli.console import console
+from topomap.cli.console import console, progress
 from topomap.cli.run_commands import show
-from topomap.cli.words import FORCE
+from topomap.cli.words import CONFIG, FORCE, SETTINGS
 
-mapping = typer.Typer(help="Map a recording of a real robot.", no_args_is_help=True, rich_markup_mode=None)
+if TYPE_CHECKING:
+    from typer._click.core import Command, Context  # typer's own copy of click: for the types alone
+
+
+class _FolderOrCommand(TyperGroup):
+    """`map FOLDER` is `map drive FOLDER`: what names no command is a folder."""
+
+    def resolve_command(self, ctx: Context, args: list[str]) -> tuple[str | None, Command | None, list[str]]:
+        known = args[0] in self.commands or args[0].startswith("-")
+        return super().resolve_command(ctx, args if known else ["drive", *args])
+
+
+mapping = typer.Typer(
+    cls=_FolderOrCommand,
+    help="Map a recording of a real robot: map FOLDER, or map KIND FOLDER.",
+    no_args_is_help=True,
+    rich_markup_mode=None,
+)
 
 
 def add_to(app: typer.Typer) -> None:
@@ -22,6 +41,30 @@ def add_to(app: typer.Typer) -> None:
 @mapping.callback()
 def _group() -> None:
     pass
+
+
+@mapping.command()
+def drive(
+    path: Path = typer.Argument(help="Folder with drive.csv, rig.json and panoramas.", metavar="FOLDER"),
+    out: Path | None = typer.Option(None, help="Folder for log, map, summary and report [runs/NAME]."),
+    config: Path | None = CONFIG,
+    settings: list[str] = SETTINGS,
+    force: bool = FORCE,
+    made_odometry: int | None = typer.Option(
+        None, min=0, metavar="SEED", help="An experiment: make odometry from the true positions, with drift and noise."
+    ),
+) -> None:
+    """Map a drive of panoramas with odometry: `map FOLDER` for short; write log, map, summary and report."""
+    from topomap.app import recordings
+    from topomap.app.config import load_config
+    from topomap.app.folder import RunFolder
+    from topomap.datasets.drive_folder import read_folder
+
+    chosen, recorded = load_config(config, settings), read_folder(path)
+    folder = RunFolder.create(out or Path("runs") / recorded.name, force=force)
+    with progress(recorded.name, len(recorded.table)) as advance:
+        result = recordings.map_drive(recorded, folder, chosen, advance, made_odometry)
+    show(result)
 
 
 @mapping.command()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from copy import copy
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,6 +15,7 @@ from topomap.mapping.closures.closure_tests import TESTS, ClosureTest, Knowledge
 from topomap.mapping.closures.clusters import STRIDE, Clusters, clusters_of
 from topomap.mapping.closures.drive import Drive, MapState
 from topomap.mapping.closures.engine import ClosureEngine
+from topomap.mapping.closures.evidence import log_evidence, log_odds_beside_others
 from topomap.mapping.closures.odds import mahalanobis
 from topomap.mapping.closures.placing import placed
 from topomap.mapping.closures.prevalence import GATE, allowed_by_chance, log_prevalence
@@ -38,6 +40,10 @@ SETTLED = 1e-3  # share of new closures with which the finished map is no longer
 GROWING = OptimizerSettings(cutoffs=(1e3, 10.0), iterations=2, tolerance=0.02)
 # 6 sigmas: the noise's scale is that of 99 % of the closures, and real ones have heavy tails
 CLOSING = OptimizerSettings(cutoffs=(20.0, 6.0), cutoff=6.0, iterations=10, tolerance=1e-4)
+# from odometry on: cutoffs so wide and steps so many that of two claims that differ the one that others agree with wins
+AT_ONCE = OptimizerSettings(cutoffs=(30.0,) * 4 + (10.0,) * 3, cutoff=6.0, iterations=4, tolerance=0.02)
+DENSE = 40  # blocks a pose in a factor: 5 on intel, 7 on manhattan, 15 on w10000 with all their true closures
+MOSTLY = 0.5  # share of true claims from which on it is quicker to begin with all at once
 
 Told = Callable[[float, str], None]
 
@@ -82,14 +88,45 @@ class Batch:
         self._sift(PathNetwork.of_chain(chain))
 
     def run(self) -> Judgement:
-        """Return the verdicts on all claims."""
+        """Return the verdicts on all claims, by a map that grows from the likeliest on."""
+        self.grow()
+        return self.judgement(self.settle())
+
+    def grow(self) -> None:
+        """Let in what is likely, round by round."""
         for round_ in range(ROUNDS):
             self._told(0.1 + 0.6 * round_ / (round_ + 5.0), f"{len(self._standing)} closures")
             new = self._likely(self._open())
             if not len(new):
                 break
             self._admit(new)
-        inlier = self._settle()
+
+    def pull_all(self) -> None:
+        """Solve with all that odometry allows, from odometry on, with cutoffs that leave out what doesn't fit."""
+        self._told(0.5, f"{len(self._all_allowed())} closures at once")
+        self._solve(self._all_allowed(), AT_ONCE)
+
+    @property
+    def pulls_quickly(self) -> bool:
+        """Whether a solve with all that odometry allows is quick: many that join any places make its factor dense."""
+        own = self._claims[self._all_allowed()]
+        nodes = len(self._map.poses)
+        return len(own) <= nodes and self._drive.solver.fill(own.closures()) <= DENSE * nodes
+
+    def _all_allowed(self) -> IntArray:
+        some = self._clusters.representatives
+        return np.asarray(some[self._allowed[self._clusters.label[some]]])
+
+    def again(self) -> Batch:
+        """Return the same, to be begun anew."""
+        other = copy(self)
+        other._map = self._drive.start()
+        other._odds, other._standing = np.full(len(self._claims), -np.inf), np.zeros(0, np.int64)
+        other._tries = np.zeros(len(self._clusters), np.int64)
+        return other
+
+    def judgement(self, inlier: BoolArray) -> Judgement:
+        """Return the verdicts, of which inlier (M,) says who is in."""
         if not inlier.any():
             self._map = self._drive.start()
         self._told(1.0, f"{int(inlier.sum())} closures")
@@ -165,7 +202,7 @@ class Batch:
         self._map, inlier = self._drive.solve(self._map, self._claims[which], settings)
         self._standing = which[inlier]
 
-    def _settle(self) -> BoolArray:
+    def settle(self) -> BoolArray:
         """Weigh every claim by the map and solve with the likely ones until nothing strains it; return these (M,)."""
         if not len(self._standing):
             return np.zeros(len(self._claims), bool)
@@ -183,6 +220,55 @@ class Batch:
                 suspected = suspected | tense
                 self._solve(self._standing[~tense[self._clusters.label[self._standing]]], CLOSING)
         return np.asarray(np.isin(np.arange(len(self._claims)), self._standing))
+
+    def confirm(self) -> BoolArray:
+        """Take out, the weakest first, what the others that stand don't make likely; return what stands (M,)."""
+        while len(self._standing):
+            odds, label = self._beside_others()
+            weak = np.flatnonzero(odds < LIKELY)
+            if not len(weak):
+                break
+            out = weak[np.argsort(odds[weak], kind="stable")[: 1 + len(weak) // 4]]
+            left = self._standing[~np.isin(self._clusters.label[self._standing], label[out])]
+            self._odds[self._standing] = np.minimum(self._odds[self._standing], LIKELY)
+            self._standing = left
+            self._solve(left, CLOSING)
+        return np.asarray(np.isin(np.arange(len(self._claims)), self._standing))
+
+    def _ones(self) -> IntArray:
+        """Return a standing claim of each cluster that stands."""
+        _, first = np.unique(self._clusters.label[self._standing], return_index=True)
+        return np.asarray(self._standing[np.sort(first)])
+
+    def _beside_others(self) -> tuple[FloatArray, IntArray]:
+        """Return each standing cluster's log odds by the others, and which it is."""
+        ones = self._ones()
+        label = self._clusters.label[ones]
+        return log_odds_beside_others(self._drive, self._map, self._claims[ones], self._prevalence[label]), label
+
+    def evidence(self) -> float:
+        """Return the log odds of what stands, all together, against nothing being true."""
+        ones = self._ones()
+        return log_evidence(self._drive, self._map, self._claims[ones], self._prevalence[self._clusters.label[ones]])
+
+    def undecided(self) -> int:
+        """Return how many clusters don't stand though the map, as it is settled, doesn't make them unlikely."""
+        label = self._clusters.label
+        open_ = np.zeros(len(self._clusters), bool)
+        open_[label[self._odds > -UNLIKELY]] = True
+        open_[label[self._standing]] = False
+        return int((open_ & self._allowed).sum())
+
+    @property
+    def standing_clusters(self) -> int:
+        """How many clusters stand."""
+        return len(np.unique(self._clusters.label[self._standing]))
+
+    @property
+    def mostly_true(self) -> bool:
+        """Whether of the claims that odometry allows most are true, as those that it refuses tell."""
+        expected = expit(self._prevalence[self._allowed])
+        return bool(expected.sum() >= MOSTLY * max(len(expected), 1))
 
     def _pull(self, closures: IntArray) -> None:
         """Begin a solve with closures that the map may stand far from."""
