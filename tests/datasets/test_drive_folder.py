@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import json
-import math
 from pathlib import Path
 
 import numpy as np
 import pytest
-from round_world import RIG, RoundRobot
+from drive_folders import HEAD, write_drive
+from round_world import RIG
 from typer.testing import CliRunner
 
 import topomap
@@ -17,29 +17,6 @@ from topomap.core.errors import DataError
 from topomap.datasets.drive_folder import FolderRobot, read_folder
 from topomap.datasets.drive_folder.table import increments
 from topomap.mapping.odometry.increments import Calibration, Increments, track
-
-HEAD = "stamp_s,x_m,y_m,heading_rad,image"
-
-
-def write_drive(folder: Path, steps: int, extra: str = "", rig: dict[str, object] | None = None) -> Path:
-    """Write the round robot's drive: true poses, and in more columns its odometry."""
-    robot = RoundRobot(steps)
-    (folder / "images").mkdir(parents=True)
-    pose, rows = topomap.Pose2(), []
-    for k in range(steps):
-        reading = robot.sense()
-        assert reading is not None
-        (folder / f"images/{k:03d}.png").write_bytes(reading.encoded)
-        m = reading.motion
-        if k:
-            pose = pose @ topomap.Pose2(m.forward * math.cos(m.turn / 2), m.forward * math.sin(m.turn / 2), m.turn)
-        more = f",{m.forward},{m.turn}" if extra else ""
-        rows.append(f"{0.25 * k},{pose.x},{pose.y},{pose.heading},images/{k:03d}.png{more}")
-    (folder / "drive.csv").write_text("\n".join([HEAD + extra, *rows]) + "\n")
-    said = {"horizon_row": RIG.horizon_row, "camera_height": RIG.camera_height,
-            "forward_column": RIG.forward_column, "clockwise": RIG.clockwise}  # fmt: skip
-    (folder / "rig.json").write_text(json.dumps(said if rig is None else rig))
-    return folder
 
 
 @pytest.fixture(scope="module")
@@ -142,6 +119,29 @@ def test_a_wrong_rig_is_named(posed: Path, tmp_path: Path, rig: dict[str, object
     (tmp_path / "rig.json").write_text(json.dumps(rig))
     with pytest.raises(DataError, match=words):
         read_folder(tmp_path)
+
+
+def test_what_the_rig_doesnt_tell_is_told_to_be_assumed(posed: Path, tmp_path: Path) -> None:
+    for name in ("images", "drive.csv"):
+        (tmp_path / name).symlink_to(posed / name)
+    drive = read_folder(tmp_path)
+    said = " ".join(drive.notes)
+    assert "tells no horizon_row: eye level" in said
+    assert "tells no camera_height" in said
+    assert drive.rig.forward_column == drive.rig.width // 2
+
+
+@pytest.mark.data
+def test_eye_level_of_recorded_drives_is_found_or_said_to_be_unclear(data_dir: Path, tmp_path: Path) -> None:
+    for name, row in (("antworld-loop", 119.5), ("outdoor-loop", None)):
+        (tmp_path / name).mkdir()
+        for part in ("images", "drive.csv"):
+            (tmp_path / name / part).symlink_to(data_dir / "drives" / name / part)
+        drive = read_folder(tmp_path / name)
+        if row is None:
+            assert "isn't clear" in " ".join(drive.notes)
+        else:
+            assert drive.rig.horizon_row == pytest.approx(row, abs=1.0)
 
 
 def test_made_odometry_reads_the_drawn_errors(posed: Path) -> None:

@@ -10,6 +10,7 @@ from topomap.core.robot import Reading
 from topomap.mapping.mapper import Mapper
 from topomap.navigation.localiser import Localiser
 from topomap.navigation.manoeuvres.active_check import ActiveCheck
+from topomap.navigation.manoeuvres.hall_course import HallCourse
 from topomap.navigation.manoeuvres.relocalise import LOST, Relocalise
 from topomap.navigation.mission import Mission
 from topomap.navigation.odometry_check import OdometryCheck
@@ -30,12 +31,15 @@ class Navigator:
         traveller: Traveller,
         active: ActiveCheck,
         relocalise: Relocalise,
+        course: HallCourse | None = None,
     ) -> None:
+        """course: drives instead of the traveller, where that is the mission."""
         self.mapper = mapper
         self._localiser = localiser
         self._mission = mission
         self._traveller = traveller
         self._active = active
+        self._course = course
         self._relocalise = relocalise
         self._sense_check = SenseCheck()
         self._odometry = OdometryCheck()
@@ -44,16 +48,6 @@ class Navigator:
     def take(self, mapper: Mapper) -> None:
         """Go on with the map of another mapper."""
         self.mapper = mapper
-
-    def _manoeuvre(self, senses: Senses, where: Where, goal: Goal) -> tuple[Command, Travel] | None:
-        """Return what a manoeuvre that has the wheels does, None where the journey has them; none drives blind."""
-        if senses.health.stop:
-            return None
-        seen = senses.trusted()
-        found = self._relocalise.step(seen, senses.contact, where, goal, self.mapper.track)
-        if found is not None or goal.phase is not Phase.TRAVEL:
-            return found
-        return self._active.step(seen, senses.contact, self.mapper)
 
     @property
     def over(self) -> bool:
@@ -65,10 +59,15 @@ class Navigator:
         """What the robot is doing, or how the mission ended."""
         return self._mission.phase
 
+    @property
+    def failure(self) -> str:
+        """Why the mission couldn't be, in one line, or ""."""
+        return self._mission.failure
+
     def step(self, reading: Reading) -> tuple[Command, StepRecord]:
         """Take one reading through all stages; return the command and the record of the step."""
         watch = Stopwatch()
-        panorama = Panorama.from_reading(reading)
+        panorama = self.mapper.seen(Panorama.from_reading(reading))
         watch.lap("panorama")
         reading = self._odometry.checked(reading, panorama, self._command, self.mapper.map.calibration)
         change = self.mapper.update(reading, panorama)
@@ -78,10 +77,10 @@ class Navigator:
         watch.lap("localise")
         senses = self._sense_check.senses(reading, panorama, self.mapper.track.turn, change.place, self._odometry.amiss)
         self.mapper.lost = where.lost > LOST
-        checked = self._manoeuvre(senses, where, goal)
-        if checked is not None:
-            self._traveller.pause()
-        command, travel = checked or self._traveller.step(senses, where, goal, self.mapper)
+        if self._course is not None:
+            command, travel = self._course.step(panorama, where.pose, self.mapper.track.raw)
+        else:
+            command, travel = self._travel(senses, where, goal)
         travel = _with_event(travel, senses.health.event)
         self._command = command
         self._sense_check.commanded(command)
@@ -90,6 +89,23 @@ class Navigator:
         return command, StepRecord(
             reading.stamp_ns, self.mapper.track.raw, change, where, goal, travel, command, watch.laps
         )
+
+    def _travel(self, senses: Senses, where: Where, goal: Goal) -> tuple[Command, Travel]:
+        """Return what a manoeuvre does, or else the journey."""
+        checked = self._manoeuvre(senses, where, goal)
+        if checked is not None:
+            self._traveller.pause()
+        return checked or self._traveller.step(senses, where, goal, self.mapper)
+
+    def _manoeuvre(self, senses: Senses, where: Where, goal: Goal) -> tuple[Command, Travel] | None:
+        """Return what a manoeuvre that has the wheels does, None where the journey has them; none drives blind."""
+        if senses.health.stop:
+            return None
+        seen = senses.trusted()
+        found = self._relocalise.step(seen, senses.contact, where, goal, self.mapper.track)
+        if found is not None or goal.phase is not Phase.TRAVEL:
+            return found
+        return self._active.step(seen, senses.contact, self.mapper)
 
 
 def _with_event(travel: Travel, event: str) -> Travel:

@@ -38,5 +38,5 @@ def map_readings(drive: DriveFolder, settings: MapperSettings, known: TrueCalibr
         dead_reckoning=np.array(raw), online=np.array(online), final=final,
         truth=None if drive.table.truth is None else np.array(truths), nodes=nodes,
         decisions=tuple(mapper.ledger.decisions), calibration=mapper.optimisation.state, true_calibration=known,
-        graph_hash=mapper.graph_hash(),
+        graph_hash=mapper.graph_hash(), trust=mapper.optimisation.trust,
     )  # fmt: skip

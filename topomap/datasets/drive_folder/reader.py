@@ -9,6 +9,7 @@ from topomap.core.encoded import decode
 from topomap.core.errors import DataError
 from topomap.core.recorded import RecordedRig
 from topomap.datasets.drive_folder import rig_file, table
+from topomap.datasets.drive_folder.eye_level import find_eye_level
 from topomap.datasets.drive_folder.table import DriveTable
 
 
@@ -30,11 +31,17 @@ def read_folder(folder: Path) -> DriveFolder:
     height, width = _first(drive.images[0])
     said = rig_file.read_rig(folder / rig_file.NAME, width, height)
     notes = [f"odometry: {drive.odometry}"]
+    row = (height - 1) / 2
     if said.horizon_row is None:
-        notes.append(f"{rig_file.NAME} tells no horizon_row: the middle of the image is taken for eye level")
+        found = find_eye_level(drive, said.rig(row))
+        row = row if found is None else found.row
+        told = (
+            "isn't clear in the images: the middle row is taken" if found is None else f"is row {row:.1f} by the images"
+        )
+        notes.append(f"{rig_file.NAME} tells no horizon_row: eye level {told}")
     if said.camera_height == 0:
         notes.append(f"{rig_file.NAME} tells no camera_height: nothing is measured by the ground line")
-    return DriveFolder(folder.resolve().name, said.rig((height - 1) / 2), drive, tuple(notes))
+    return DriveFolder(folder.resolve().name, said.rig(row), drive, tuple(notes))
 
 
 def _first(path: Path) -> tuple[int, int]:
