@@ -203,6 +203,33 @@ def looks(
         console.print(str(path), soft_wrap=True)
 
 
+@benches.command()
+def kidnapped(
+    worlds: str = typer.Argument("room-corridor,hall", help="Worlds by name or file, comma-separated."),
+    starts: int = typer.Option(20, min=1, help="Places, a world and seed, where the robot is set down."),
+    seeds: str = typer.Option("0", help="Seeds of the drive and of the places, e.g. 0-4."),
+    settings: list[str] = typer.Option([], "--set", metavar="KEY=VALUE", help="A setting of the run; may repeat."),
+) -> None:
+    """Set a taught robot down anywhere, turned any way: how far it drives until it knows where, and how surely."""
+    from topomap.app.config import load_config
+    from topomap.app.kidnapped import HEADINGS, row, search, tally, teach
+    from topomap.app.kidnapped import starts as places
+    from topomap.app.words import parse_seeds
+
+    config, rows = load_config(None, settings), []
+    numbers = parse_seeds(seeds)
+    for world in worlds.split(","):
+        found = []
+        with progress(world, len(numbers) * starts) as advance:
+            for seed in numbers:
+                lesson = teach(world, seed, config)
+                for start in places(lesson, starts):
+                    found.append(search(lesson, start))
+                    advance(len(found))
+        rows.append((world, *row(tally(found))))
+    _table("kidnapped", ("world", *HEADINGS), rows)
+
+
 def _table(title: str, headings: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> None:
     shown = grid(title, headings)
     for row in rows:
