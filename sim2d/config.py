@@ -86,7 +86,9 @@ class CameraConfig(Section):
 class LaserConfig(Section):
     """The range scanner."""
 
-    scanner: Literal["ring", "urg"] = Field("ring", description="all round at once, or two opposite shots of a scanner")
+    scanner: Literal["ring", "urg", "none"] = Field(
+        "ring", description="all round at once, two opposite shots of a scanner, or the camera alone"
+    )
     rays: int = Field(720, ge=1, le=7200, description="ranges per turn that are handed over")
     height: float = Field(0.0, ge=0, le=10, description="only what is at least as high is hit [m]")
     noise: float = Field(0.01, ge=0, le=10, description="range noise, standard deviation [m]")
@@ -131,7 +133,26 @@ class DriverConfig(Section):
 
     route: str = Field("", description="name of the world's route to drive instead of its default one")
     laps: float | None = Field(None, gt=0, le=1000, description="laps to drive instead of the world's own number")
+    teaches: bool = Field(True, description="drives the route; if not, the robot has its wheels from the beginning")
     lateral_offset: float = Field(0.0, ge=-10, le=10, description="offset to the left from lap two on [m]")
+
+
+class StartConfig(Section):
+    """Where the robot is set at the beginning: at a place of the world, at x, y, or so far along its route."""
+
+    place: str = Field("", description="name of one of the world's places")
+    x: float | None = Field(None, description="where [m]")
+    y: float | None = Field(None, description="where [m]")
+    along: float | None = Field(None, ge=0, description="way along the route that the driver leaves out [m]")
+    heading_deg: float | None = Field(None, description="heading there; none: the place's, or the route's [degree]")
+
+    @model_validator(mode="after")
+    def _has_one_place(self) -> Self:
+        if (self.x is None) != (self.y is None):
+            raise ValueError("give x and y")
+        if sum((bool(self.place), self.x is not None, self.along is not None)) > 1:
+            raise ValueError("give a place, x and y, or a way along the route, and not two of them")
+        return self
 
 
 class PeopleConfig(Section):
@@ -141,30 +162,61 @@ class PeopleConfig(Section):
     beside: int = Field(0, ge=0, le=20, description="people who walk beside the robot all the way and hide the view")
 
 
-class KidnapConfig(Section):
-    """The robot is carried away, which no wheel notices: to a named place, or to x, y, heading."""
+class MomentConfig(Section):
+    """When something happens: at a run time, or so long after the driver has handed over."""
 
-    at_s: float = Field(ge=0, le=1e6, description="run time [s]")
+    at_s: float | None = Field(None, ge=0, le=1e6, description="run time [s]")
+    handed_over_s: float | None = Field(None, ge=0, le=1e6, description="time since the driver handed over [s]")
+
+    @model_validator(mode="after")
+    def _has_one_moment(self) -> Self:
+        if (self.at_s is None) == (self.handed_over_s is None):
+            raise ValueError("give at_s or handed_over_s, and not both")
+        return self
+
+
+class KidnapConfig(MomentConfig):
+    """The robot is carried away, which no wheel notices: to a named place, to x, y, heading, or on along its route."""
+
     place: str = Field("", description="name of one of the world's places")
     x: float | None = Field(None, ge=-1e5, le=1e5, description="where to [m]")
     y: float | None = Field(None, ge=-1e5, le=1e5, description="where to [m]")
     heading_deg: float = Field(0.0, ge=-360, le=360, description="heading there [degree]")
+    along: float | None = Field(
+        None, ge=-1e5, le=1e5, description="on along the taught route, below 0 back; it keeps its side [m]"
+    )
+    turn_deg: float = Field(0.0, ge=-360, le=360, description="and turned on the spot by [degree]")
 
     @model_validator(mode="after")
     def _has_one_place(self) -> Self:
-        if bool(self.place) == (self.x is not None and self.y is not None):
-            raise ValueError("give a place, or x and y")
+        ways = bool(self.place), self.x is not None or self.y is not None, self.along is not None
+        if sum(ways) > 1 or (self.x is None) != (self.y is None) or not (any(ways) or self.turn_deg):
+            raise ValueError("give one of a place, x and y, along; or turn_deg alone")
         return self
+
+
+class OdometryFaultConfig(MomentConfig):
+    """Wheels or encoders that fail for a while; the odometer doesn't know it and reports its usual covariance."""
+
+    lasts_s: float | None = Field(None, gt=0, le=1e6, description="how long [s]; none: to the end")
+    forward_scale: float = Field(1.0, ge=-10, le=10, description="the way read is multiplied by this")
+    turn_scale: float = Field(1.0, ge=-10, le=10, description="the turn read is multiplied by this")
+    forward_noise: float = Field(0.0, ge=0, le=10, description="random way read in each step [m]")
+    turn_noise: float = Field(0.0, ge=0, le=3.2, description="random turn read in each step [rad]")
+    jump: float = Field(0.0, ge=-1e4, le=1e4, description="way read once, in its first step [m]")
 
 
 class SimConfig(Section):
     """All of the simulator."""
 
+    textures: int = Field(0, ge=0, le=10**6, description="seed of the looks of a world's surfaces")
     camera: CameraConfig = Field(default_factory=CameraConfig, description="panoramic camera")
     laser: LaserConfig = Field(default_factory=LaserConfig, description="range scanner")
     odometer: OdometerConfig = Field(default_factory=OdometerConfig, description="odometer and its errors")
     body: BodyConfig = Field(default_factory=BodyConfig, description="robot body")
     driver: DriverConfig = Field(default_factory=DriverConfig, description="driver of the taught route")
     people: PeopleConfig = Field(default_factory=PeopleConfig, description="people besides the world's own")
+    start: StartConfig = Field(default_factory=StartConfig, description="where the robot is set")
     floor_gloss: float | None = Field(None, ge=0, le=1, description="share that the floor mirrors; none: the world's")
     kidnaps: tuple[KidnapConfig, ...] = Field((), description="when and where to the robot is carried away")
+    odometry_faults: tuple[OdometryFaultConfig, ...] = Field((), description="when and how the odometry fails")

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from sim2d.body import Body
 from sim2d.camera import Camera
 from sim2d.changes import Changes
@@ -25,7 +23,9 @@ class Events:
         self._world, self._body, self._driver, self._camera = world, body, driver, camera
         self._changes = Changes(world)
         self._lights: list[LightChange] = list(config.camera.light_changes)
-        self._kidnaps = sorted(((k.at_s, carried_to(world, k)) for k in config.kidnaps), key=lambda pair: pair[0])
+        for kidnap in config.kidnaps:
+            check_place(world, kidnap)
+        self._kidnaps = list(config.kidnaps)
         self._dt = config.body.step
         self._rate, self._since = config.camera.hour_rate, 0.0
 
@@ -41,24 +41,31 @@ class Events:
         path = self._driver.path
         if not self._driver.done or not self._world.people.accompany:
             return self._driver.progress
-        away = np.hypot(path.points[:, 0] - self._body.x, path.points[:, 1] - self._body.y)
-        return float(path.along[int(np.argmin(away))])
+        return path.nearest(self._body.x, self._body.y)
 
-    def carry_away(self, seconds: float) -> bool:
+    def carry_away(self, seconds: float, handed_over_s: float | None) -> bool:
         """Put the robot where it is carried to, once that is due; the route goes on at its nearest point.
 
-        Returns whether it was carried.
+        seconds: of run time; handed_over_s: since the driver handed over, None before. Returns whether it was carried.
         """
-        carried = False
-        while self._kidnaps and self._kidnaps[0][0] <= seconds:
-            carried = True
-            x, y, heading = self._kidnaps.pop(0)[1]
-            self._body.put(x, y, heading)
+        due = [k for k in self._kidnaps if _has_come(k, seconds, handed_over_s)]
+        for kidnap in due:
+            self._kidnaps.remove(kidnap)
+            x, y, heading = self._carried_to(kidnap)
+            self._body.put(x, y, heading + math.radians(kidnap.turn_deg))
             path = self._driver.path
             if not self._driver.done:
-                away = np.hypot(path.points[:, 0] - x, path.points[:, 1] - y)
-                self._driver.progress = float(path.along[int(np.argmin(away))])
-        return carried
+                self._driver.progress = path.nearest(x, y)
+        return bool(due)
+
+    def _carried_to(self, kidnap: KidnapConfig) -> Pose:
+        """Return the pose a kidnap ends at, without its turn on the spot."""
+        here = self._body.x, self._body.y, self._body.heading
+        if kidnap.place:
+            return self._world.spec.places[kidnap.place]
+        if kidnap.x is not None and kidnap.y is not None:
+            return kidnap.x, kidnap.y, math.radians(kidnap.heading_deg)
+        return self._driver.path.beside(here, kidnap.along or 0.0)
 
     def _change_lights(self, seconds: float) -> None:
         due = [change for change in self._lights if _is_due(change, self._driver.laps, seconds)]
@@ -82,11 +89,14 @@ def _is_due(change: LightChange, laps: float, seconds: float) -> bool:
     return change.at_lap is not None and change.at_lap <= laps
 
 
-def carried_to(world: World, kidnap: KidnapConfig) -> Pose:
-    """Return the pose a kidnap ends at. Raises WorldError for an unknown place."""
-    if not kidnap.place:
-        return kidnap.x or 0.0, kidnap.y or 0.0, math.radians(kidnap.heading_deg)
-    if kidnap.place not in world.spec.places:
+def _has_come(kidnap: KidnapConfig, seconds: float, handed_over_s: float | None) -> bool:
+    if kidnap.at_s is not None:
+        return kidnap.at_s <= seconds
+    return handed_over_s is not None and kidnap.handed_over_s is not None and kidnap.handed_over_s <= handed_over_s
+
+
+def check_place(world: World, kidnap: KidnapConfig) -> None:
+    """Refuse an unknown place before the robot sets out. Raises WorldError."""
+    if kidnap.place and kidnap.place not in world.spec.places:
         known = ", ".join(world.spec.places) or "none"
         raise WorldError(f"world {world.name} has no place {kidnap.place!r} to carry the robot to; there are {known}")
-    return world.spec.places[kidnap.place]

@@ -43,6 +43,24 @@ class Path:
         (x0, y0), (x1, y1) = self.at(max(0.0, s - SPACING)), self.at(s + SPACING)
         return math.atan2(y1 - y0, x1 - x0)
 
+    def nearest(self, x: float, y: float) -> float:
+        """Return how far along the point nearest to x, y lies [m]; of passes equally near, the first."""
+        return float(self.along[int(np.argmin(np.hypot(self.points[:, 0] - x, self.points[:, 1] - y)))])
+
+    def beside(self, pose: tuple[float, float, float], along: float) -> tuple[float, float, float]:
+        """Return the pose that lies to the path, `along` [m] further on, as a pose x, y [m], heading [rad] lies to it.
+
+        Held at the path's ends.
+        """
+        x, y, heading = pose
+        here = self.nearest(x, y)
+        there = min(max(here + along, 0.0), self.length)
+        (x0, y0), (x1, y1) = self.at(here), self.at(there)
+        before, turned = self.heading(here), self.heading(there) - self.heading(here)
+        left = -math.sin(before) * (x - x0) + math.cos(before) * (y - y0)
+        after = self.heading(there)
+        return x1 - left * math.sin(after), y1 + left * math.cos(after), heading + turned
+
 
 def of_route(route: Route, laps: float | None = None, offset: float = 0.0) -> Path:
     """Return the path of a route, with other laps if given, shifted left by `offset` [m] from lap two on.

@@ -49,6 +49,14 @@ class SimReading:
 
 
 @dataclass(frozen=True, slots=True)
+class SetDown:
+    """Where a robot is set down in mid-run: pose x, y [m], heading [rad], and the number of its first step."""
+
+    pose: tuple[float, float, float]
+    step: int = 0
+
+
+@dataclass(frozen=True, slots=True)
 class SimTruth:
     """The true pose in the world's frame [m, rad] at a stamp; contact: the body touches something."""
 

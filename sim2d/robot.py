@@ -17,8 +17,10 @@ from sim2d.errors import WorldError
 from sim2d.events import Events
 from sim2d.laser import Laser
 from sim2d.odometer import Odometer, joined
+from sim2d.odometry_faults import OdometryFaults
 from sim2d.path import of_route
-from sim2d.records import EPOCH_NS, CameraRig, OdometerReading, SimReading, SimTruth, TrueCalibration
+from sim2d.records import EPOCH_NS, CameraRig, OdometerReading, SetDown, SimReading, SimTruth, TrueCalibration
+from sim2d.start import start_pose
 from sim2d.streams import stream
 from sim2d.way import Way
 from sim2d.world import World
@@ -42,7 +44,8 @@ class SimRobot:
     commands: same readings.
     """
 
-    def __init__(self, world: World, config: SimConfig, seed: int) -> None:
+    def __init__(self, world: World, config: SimConfig, seed: int, set_down: SetDown | None = None) -> None:
+        """set_down: where it begins with the route behind it and nobody driving; None: where the route begins."""
         self.world = world
         self._config = config
         self._driver = Driver(
@@ -52,21 +55,29 @@ class SimRobot:
         )
         path = self._driver.path
         world.add_people(crowd(path, config.people, stream(seed, "people"), config.body.max_speed))
-        self._body = Body(world, config.body, *path.at(0.0), path.heading(0.0))
+        self._driver.progress = config.start.along or 0.0
+        self._driven = set_down is None and config.driver.teaches
+        if set_down is not None:
+            self._driver.progress = path.length
+        start = start_pose(world, path, config.start) if set_down is None else set_down.pose
+        self._body = Body(world, config.body, *start)
         self._camera = Camera(
             config.camera, stream(seed, "image noise"), stream(seed, "camera body"), config.floor_gloss
         )
         self._missing, self._repeated = stream(seed, "missing frames"), stream(seed, "repeated frames")
         self._frame: tuple[NDArray[np.uint8], bytes] | None = None
-        self._laser = Laser(config.laser, stream(seed, "range noise"))
+        blind = config.laser.scanner == "none"
+        self._laser = None if blind else Laser(config.laser, stream(seed, "range noise"))
         streams = (stream(seed, name) for name in ("drift", "odometry noise", "slip", "floor and load"))
         self._odometer = Odometer(config.odometer, *streams)
         self._way = Way(config.body.step, (self._body.x, self._body.y, self._body.heading))
         self._events = Events(world, config, self._body, self._driver, self._camera)
+        self._faults = OdometryFaults(config.odometry_faults, stream(seed, "odometry faults"))
         self._wheels = (0.0, 0.0)
-        self._driven = True
         self._stopped = False
-        self._steps = -1
+        self._first = 0 if set_down is None else set_down.step
+        self._steps = self._first - 1
+        self._handed_over = None if self._driven else self._first
 
     @property
     def true_calibration(self) -> TrueCalibration:
@@ -86,6 +97,8 @@ class SimRobot:
     @property
     def expected_steps(self) -> int:
         """About how many readings the taught route takes."""
+        if not self._config.driver.teaches:
+            return 1
         return math.ceil(self.route_length_m / (self._config.body.max_speed * self._config.body.step)) + 3
 
     def sense(self) -> SimReading | None:
@@ -96,8 +109,9 @@ class SimRobot:
         if self._stopped:
             return None
         self._steps += 1
-        motion = self._move() if self._steps else self._odometer.read(0.0, 0.0, 0.0)
-        while self._steps and self._frame_is_missing():
+        begun = self._steps > self._first
+        motion = self._move() if begun else self._odometer.read(0.0, 0.0, 0.0)
+        while begun and self._frame_is_missing():
             self._steps += 1
             motion = joined(motion, self._move())
         image, encoded = self._shoot()
@@ -105,17 +119,31 @@ class SimRobot:
             stamp_ns=self._stamp(),
             image=image,
             encoded=encoded,
-            ranges=self._laser.scan(self.world, *self._way.back(self._config.laser.lag)),
+            ranges=self._scan(),
             motion=motion,
             rig=self._camera.rig,
             contact=self._body.contact,
             driven=self._driven,
         )
 
+    def _scan(self) -> NDArray[np.float32] | None:
+        if self._laser is None:
+            return None
+        return self._laser.scan(self.world, *self._way.back(self._config.laser.lag))
+
     def act(self, command: Wheels) -> None:
         """Set the wheels for the steps to come; ignored while the driver has them."""
         if not self._driven and not self._stopped:
             self._wheels = (float(command.forward), float(command.turn))
+
+    def rest(self) -> None:
+        """Stop the wheels until the next command."""
+        if not self._driven:
+            self._wheels = (0.0, 0.0)
+
+    def put(self, x: float, y: float, heading: float) -> None:
+        """Set the robot down somewhere else [m, rad], which no wheel notices."""
+        self._body.put(x, y, heading)
 
     def stop(self) -> None:
         """Stop the wheels for good."""
@@ -147,19 +175,22 @@ class SimRobot:
                 raise WorldError(f"the driver has been stuck for {STUCK_S:g} s at {at}: the route can't be driven so")
             # the reading at standstill is the first that the stack answers
             self._driven = not self._driver.done
+            self._handed_over = None if self._driven else self._steps
         self._events.before_step(seconds)
         way, turn = self._body.advance(*self._wheels, dt)
         blocked = self._body.wanted(self._wheels[0], dt) - way
         place = self._body.x, self._body.y
-        if self._events.carry_away(seconds + dt):
+        alone = None if self._handed_over is None else (self._steps - self._handed_over) * dt
+        if self._events.carry_away(seconds + dt, alone):
             self._way = Way(dt, (self._body.x, self._body.y, self._body.heading))
         else:
             self._way.extend((*place, self._body.heading))
-        return self._odometer.read(way, turn, dt, blocked, self._body.contact, place)
+        motion = self._odometer.read(way, turn, dt, blocked, self._body.contact, place)
+        return self._faults.spoil(motion, seconds + dt, alone)
 
     def _frame_is_missing(self) -> bool:
         share = self._config.camera.missing
         return share > 0 and self._missing.random() < share
 
     def _stamp(self) -> int:
-        return EPOCH_NS + max(0, self._steps) * round(self._config.body.step * 1e9)
+        return EPOCH_NS + max(self._first, self._steps) * round(self._config.body.step * 1e9)

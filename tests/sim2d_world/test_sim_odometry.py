@@ -12,7 +12,7 @@ from sim2d import worlds
 from sim2d.config import KidnapConfig, OdometerConfig, SimConfig
 from sim2d.errors import WorldError
 from sim2d.odometer import Odometer, joined
-from sim2d.records import EPOCH_NS, SimReading, SimTruth
+from sim2d.records import EPOCH_NS, SetDown, SimReading, SimTruth
 from sim2d.robot import SimRobot
 from sim2d.streams import stream
 
@@ -117,7 +117,66 @@ def test_carried_to_a_named_place() -> None:
     robot = worlds.load("room-corridor")
     with pytest.raises(WorldError, match="no place 'nowhere'"):
         SimRobot(robot, SimConfig.model_validate({"kidnaps": [{"at_s": 1.0, "place": "nowhere"}]}), 0)
-    with pytest.raises(ValidationError, match="a place, or x and y"):
+    with pytest.raises(ValidationError, match="one of a place, x and y, along"):
         KidnapConfig(at_s=1.0)
-    with pytest.raises(ValidationError, match="a place, or x and y"):
+    with pytest.raises(ValidationError, match="one of a place, x and y, along"):
         KidnapConfig(at_s=1.0, place="there", x=1.0, y=2.0)
+
+
+def test_carried_on_along_the_route_and_turned_on_the_spot() -> None:
+    usual = run({}, 12)
+    carried = run({"kidnaps": [{"at_s": 2.0, "along": 1.0}]}, 12)
+    turned = run({"kidnaps": [{"at_s": 2.0, "turn_deg": 90.0}]}, 12)
+    before, after = usual[8][1], carried[8][1]
+    assert (after.x - before.x, after.y - before.y) == pytest.approx((1.0, 0.0), abs=0.02)
+    assert after.heading == pytest.approx(before.heading, abs=0.02)
+    assert math.dist((turned[8][1].x, turned[8][1].y), (before.x, before.y)) < 1e-3
+    assert turned[8][1].heading - before.heading == pytest.approx(math.pi / 2, abs=0.01)
+    assert [r.motion.forward for r, _ in carried[:9]] == [r.motion.forward for r, _ in usual[:9]]
+
+
+def test_a_kidnap_waits_for_the_driver_to_hand_over() -> None:
+    config = {"driver": {"laps": 0.02}, "kidnaps": [{"handed_over_s": 0.5, "turn_deg": 180.0}]}
+    robot = SimRobot(worlds.load("hall"), SimConfig.model_validate(SMALL | config), 0)
+    headings, driven = [], []
+    for _ in range(20):
+        reading = robot.sense()
+        assert reading is not None
+        headings.append(robot.truth().heading)
+        driven.append(reading.driven)
+    over = driven.index(False)
+    assert headings[over + 1] == pytest.approx(headings[over])
+    assert abs(math.remainder(headings[over + 2] - headings[over + 1], math.tau)) == pytest.approx(math.pi)
+
+
+def test_dead_and_noisy_odometry_from_a_moment_on() -> None:
+    usual, truth = run({}, 14), run({}, 14)
+    dead = run({"odometry_faults": [{"at_s": 2.0, "forward_scale": 0.0, "turn_scale": 0.0}]}, 14)
+    brief = run({"odometry_faults": [{"at_s": 2.0, "lasts_s": 0.5, "jump": 3.0}]}, 14)
+    assert [r.motion.forward for r, _ in dead[:8]] == [r.motion.forward for r, _ in usual[:8]]
+    assert all(r.motion.forward == 0.0 and r.motion.turn == 0.0 for r, _ in dead[8:])
+    assert [t for _, t in dead] == [t for _, t in truth]
+    jumps = [a.motion.forward - b.motion.forward for (a, _), (b, _) in zip(brief, usual, strict=True)]
+    assert jumps == pytest.approx([0.0] * 8 + [3.0] + [0.0] * 5)
+    noisy = run({"odometry_faults": [{"at_s": 0.0, "forward_noise": 0.1, "turn_noise": 0.3}]}, 40)
+    off = [a.motion.turn - b.motion.turn for (a, _), (b, _) in zip(noisy, run({}, 40), strict=True)]
+    assert 0.2 < float(np.std(off[1:])) < 0.4
+
+
+def test_set_down_in_mid_run_nobody_drives_and_commands_count() -> None:
+    config = SimConfig.model_validate(SMALL)
+    robot = SimRobot(worlds.load("hall"), config, 0, SetDown((10.0, 8.0, 1.0), 100))
+    first = robot.sense()
+    assert first is not None
+    assert not first.driven
+    assert first.stamp_ns == EPOCH_NS + 100 * 250_000_000
+    assert (robot.truth().x, robot.truth().y, robot.truth().heading) == (10.0, 8.0, 1.0)
+    robot.act(Ahead())
+    second = robot.sense()
+    assert second is not None
+    assert second.stamp_ns - first.stamp_ns == 250_000_000
+    assert math.dist((robot.truth().x, robot.truth().y), (10.0, 8.0)) == pytest.approx(0.1, abs=1e-3)
+
+
+class Ahead:
+    forward, turn = 0.4, 0.0

@@ -63,12 +63,14 @@ class Alignment:
 
     rotation [rad]: heading of the current robot minus heading of the goal (rolling the current panorama by
     +rotation aligns it); residual: what difference remains, smaller is better, scale is the method's own;
-    home: the home vector where the method finds one as well.
+    home: the home vector where the method finds one as well; sharp: False where the best rotation lies at the edge of
+    what was searched, or others are as good: then it may be far off.
     """
 
     rotation: float
     residual: float
     home: HomeVector | None = None
+    sharp: bool = True
 
 
 class Verdict(StrEnum):
@@ -152,7 +154,8 @@ class MapChange:
     """What one step did to the map.
 
     difference: image difference to the last snapshot (NaN before the first); place: best match among the nodes
-    outside the recent past; solved: whether the back end moved the poses.
+    outside the recent past; solved: whether the back end moved the poses; broken: why the odometry of this step isn't
+    believed, in plain words ("" where it is).
     """
 
     pose: Pose2
@@ -163,16 +166,34 @@ class MapChange:
     decisions: tuple[Decision, ...] = ()
     solved: bool = False
     calibration: CalibrationState | None = None
+    broken: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Hypothesis:
+    """A place where the robot may be: the nearest snapshot node, the pose in the map frame, its probability."""
+
+    node: int
+    pose: Pose2
+    weight: float
 
 
 @dataclass(frozen=True, slots=True)
 class Where:
-    """Where the robot believes it is: map pose, nearest node by what it sees, difference to it, P(lost)."""
+    """Where the robot believes it is.
+
+    pose, node: the likeliest pose and the snapshot node nearest to it (None: the map holds none); difference: of the
+    view to that node's, or to the last snapshot's where it wasn't compared; lost: the probability in [0, 1] that the
+    robot is not at `pose`; rivals: the other places where it may be, the likeliest first; event: what was noticed in
+    this step, in plain words ("" for nothing).
+    """
 
     pose: Pose2
     node: int | None
     difference: float
     lost: float
+    rivals: tuple[Hypothesis, ...] = ()
+    event: str = ""
 
 
 class Phase(StrEnum):

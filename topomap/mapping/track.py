@@ -4,47 +4,70 @@ from __future__ import annotations
 
 import numpy as np
 
+from topomap.core.arrays import FloatArray
 from topomap.core.errors import DataError
 from topomap.core.geometry import Pose2
 from topomap.core.records import Motion
 from topomap.core.robot import MotionReading
 from topomap.mapping.graph import Node, Snapshot, TopoMap
-from topomap.mapping.odometry.increments import Increments, advance
+from topomap.mapping.odometry.gap import GAP
+from topomap.mapping.odometry.increments import Increments, advance, leading
 
 
 class Track:
     """Integrates odometry beyond the map's last node and appends or inserts nodes.
 
-    pose: corrected, in the map frame; raw: odometry as read, integrated from the start; turn: the last corrected turn
-    [rad]; travel: the raw odometer way so far [m].
+    pose: corrected, in the map frame; raw: odometry as read, integrated from the start; motion: the last corrected
+    increment; turn: its turn [rad]; travel: the raw odometer way so far [m].
     """
 
     def __init__(self, topo: TopoMap) -> None:
         self.map = topo
         self.pose = Pose2()
         self.raw = Pose2()
-        self.turn = 0.0
+        self.motion = Motion(0.0, 0.0, 0.0, np.zeros((3, 3)), 0.0)
         self.travel = 0.0
         self._stamps: list[int] = []
         self._motions: list[Motion] = []
+        self._jump = False  # another drive begins with the next node
 
-    def advance(self, stamp_ns: int, reading: MotionReading) -> Motion:
+    @property
+    def turn(self) -> float:
+        """The last corrected turn [rad]."""
+        return self.motion.turn
+
+    def advance(self, stamp_ns: int, reading: MotionReading, broken: bool = False) -> Motion:
         """Take one increment as read; return it corrected. The first reading's increment leads nowhere.
+
+        broken: the increment isn't believed; it goes into the map with the covariance of a gap.
 
         Raises DataError for a stamp that isn't later than the one before and for an increment that isn't numbers.
         """
         self._check(stamp_ns, reading)
         # plain numbers, as the log hands them back: NumPy's would print otherwise and give the map another hash
         way = float(reading.forward), float(reading.left), float(reading.turn)
-        motion = Motion(*way, np.asarray(reading.covariance, np.float64), float(reading.dt))
+        covariance = GAP if broken else np.asarray(reading.covariance, np.float64)
+        motion = Motion(*way, covariance, float(reading.dt))
         corrected = self.map.calibration.correct(motion)
-        self.turn = corrected.turn
+        self.motion = corrected
         if self.map.nodes:
             self.raw, self.pose = advance(self.raw, motion), advance(self.pose, corrected)
             self.travel += abs(motion.forward)
             self._stamps.append(stamp_ns)
             self._motions.append(motion)
         return corrected
+
+    def begin_drive(self, stamp_ns: int, pose: Pose2, covariance: FloatArray, way: float) -> None:
+        """Begin another drive on a map at a pose known with covariance (3, 3); the next node is its first.
+
+        way: that the odometer is set on by [m], so that all older places count as left long ago.
+        """
+        self.map.end_before(stamp_ns)
+        last = self.map.chain[-1]
+        forward, left, turn = leading(self.map.pose(last).to(pose), self.map.calibration).tolist()
+        self.pose, self.travel = pose, self.map.nodes[last].travel + way
+        self._stamps, self._motions = [stamp_ns], [Motion(forward, left, turn, covariance, 0.0)]
+        self._jump = True
 
     def node_at(self, stamp_ns: int, snapshot: Snapshot | None = None) -> int:
         """Return the node at a stamp the robot has been at; make one if there is none (a snapshot: only now)."""
@@ -55,7 +78,8 @@ class Track:
             return self.map.insert(stamp_ns)
         increments = self._cut(stamp_ns)
         travel = self.travel - sum(abs(m.forward) for m in self._motions)
-        return self.map.add(Node(stamp_ns, travel, snapshot), increments)
+        jump, self._jump = self._jump, False
+        return self.map.add(Node(stamp_ns, travel, snapshot), increments, jump)
 
     def restart(self) -> None:
         """Continue from the last node as it stands now: after the map was moved."""

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from topomap.core.arrays import Complex64Array, Float32Array, IntArray
-from topomap.vision.image.compare import RotationDifferences, Signature, rotation_differences
+from topomap.core.arrays import Complex64Array, Float32Array, FloatArray, IntArray
+from topomap.vision.image.compare import RotationDifferences, Signature, rotation_differences, squared_differences
 
 FREQUENCIES = 16
 BLOCK = 64
@@ -52,6 +52,10 @@ class PlaceIndex:
         if not len(places):
             return RotationDifferences(np.zeros(0, np.float32), np.zeros(0))
         return rotation_differences(view, self._spectra[places])
+
+    def curves(self, view: Signature, places: IntArray) -> FloatArray:
+        """Return the mean squared differences (n, C) to some stored views, this one rolled by 0, 1, .. C-1 columns."""
+        return squared_differences(view, self._spectra[places])
 
     def search(self, view: Signature, count: int, first: int | None = None) -> tuple[IntArray, RotationDifferences]:
         """Return the `count` views most like this one among [0, first), by default all, best first.

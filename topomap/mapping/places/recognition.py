@@ -29,14 +29,15 @@ COMPARED = 400
 PAUSE = 0.3
 """[m] Way between proposals: closer ones see the same pair of nodes."""
 
+THRESHOLD = 0.95
+"""Nothing is proposed above this share of the median difference to other places: true revisits differ by 0.1 to 0.7 of
+that in the middle, by world, first visits by 0.9 and more where places differ at all (bench looks' worlds)."""
+
 
 class RecognitionSettings(BaseModel, frozen=True, extra="forbid"):
     """When a place is proposed as seen before."""
 
     min_travel: float = Field(8.0, gt=0, description="way since a node before it can be seen again [m]")
-    threshold: float = Field(
-        0.95, gt=0, description="nothing is proposed above this share of the median difference to other places"
-    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,26 +70,42 @@ class Proposal:
 
 
 class Recognition:
-    """Compares every view with the older snapshots at all rotations, and proposes at local minima."""
+    """Compares every view with the older snapshots at all rotations, and proposes at local minima.
+
+    index: the views of all snapshots so far.
+    """
 
     def __init__(self, settings: RecognitionSettings) -> None:
         self._s = settings
-        self._index = PlaceIndex()
+        self.index = PlaceIndex()
         self._nodes = array("q")
         self._travel: list[float] = []
         self._recent: deque[Moment] = deque(maxlen=2 * LAG + 1)
         self._usual: deque[float] = deque(maxlen=MEMORY)
         self._last_proposal = -np.inf
 
+    def __len__(self) -> int:
+        """Return the number of snapshots."""
+        return len(self._nodes)
+
     def add(self, node: int, travel: float, panorama: Panorama) -> None:
         """Make a snapshot node findable; `travel` is the raw odometer way at it [m]."""
-        self._index.add(signature(panorama))
+        self.index.add(signature(panorama))
         self._nodes.append(node)
         self._travel.append(travel)
+
+    def recall(self, node: int, travel: float, panorama: Panorama) -> None:
+        """Make a node of a loaded map findable, and learn from it how different other places look."""
+        self._learn(signature(panorama), travel)
+        self.add(node, travel, panorama)
 
     def old_nodes(self, travel: float) -> IntArray:
         """Return the snapshot nodes that lie far enough back on the way to be seen again."""
         return np.array(self._nodes[: self._old(travel)])
+
+    def nodes(self) -> IntArray:
+        """Return all snapshot nodes, in the order of `index`."""
+        return np.array(self._nodes)
 
     def update(self, stamp_ns: int, travel: float, panorama: Panorama, reachable: IntArray) -> PlaceMatch | None:
         """Take this step's view and the nodes at which odometry allows it to be taken.
@@ -108,23 +125,28 @@ class Recognition:
         """Return the reachable places, of too many those that look most alike, and the likeliest ones anywhere."""
         old = self._old(travel)
         if len(reachable) > COMPARED:
-            likely = self._matches(*self._index.search(view, COMPARED, old))
+            likely = self._matches(*self.index.search(view, COMPARED, old))
             within = set(reachable.tolist())
             return tuple(match for match in likely if match.node in within), likely[:SHORTLIST]
         places = np.searchsorted(np.array(self._nodes), reachable)
-        rivals = self._matches(*self._index.search(view, SHORTLIST, old))
-        return self._matches(places, self._index.compare(view, places)), rivals
+        rivals = self._matches(*self.index.search(view, SHORTLIST, old))
+        return self._matches(places, self.index.compare(view, places)), rivals
+
+    @property
+    def far(self) -> float:
+        """The way after which a place can be seen again [m]."""
+        return self._s.min_travel
 
     @property
     def limit(self) -> float:
         """The image difference above which nothing is proposed: a share of that to other places; 0 at first."""
-        return self._s.threshold * float(np.median(self._usual)) if self._usual else 0.0
+        return THRESHOLD * float(np.median(self._usual)) if self._usual else 0.0
 
     def _learn(self, view: Signature, travel: float) -> None:
         """Learn how different other places look, from nodes that were left too recently to be seen again."""
         first, last = self._old(travel), self._old(travel + self._s.min_travel / 2)
         if last > first:
-            differences = self._index.compare(view, np.arange(first, last)).difference
+            differences = self.index.compare(view, np.arange(first, last)).difference
             self._usual.append(float(np.median(differences)))
 
     def _matches(self, places: IntArray, found: RotationDifferences) -> tuple[PlaceMatch, ...]:

@@ -1,0 +1,79 @@
+"""A lost robot looks around: it takes the wheels, drives where there is room, and ends in time."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.helpers.played import taught
+from topomap.core.arrays import Float32Array
+from topomap.core.geometry import Pose2
+from topomap.core.panorama import Panorama
+from topomap.core.records import Command, Goal, Phase, Where
+from topomap.mapping.graph import TopoMap
+from topomap.mapping.track import Track
+from topomap.navigation.manoeuvres.relocalise import WAY, Relocalise, free_bearing
+from topomap.navigation.pilot import Pilot, PilotSettings
+
+GOAL = Goal(Phase.TRAVEL, 0)
+
+
+def where(lost: float) -> Where:
+    return Where(Pose2(), 0, 0.5, lost)
+
+
+def view(ranges: Float32Array | None) -> Panorama:
+    return replace(Panorama.from_reading(taught(1)[0]), ranges=ranges)
+
+
+def corridor(ahead: float) -> Float32Array:
+    """Ranges between two walls 1 m aside, with something so far ahead and nothing behind."""
+    angle = np.arange(720) * math.tau / 720
+    walls = 1.0 / np.maximum(np.abs(np.sin(angle)), 1e-3)
+    front = np.where(np.cos(angle) > 0, ahead / np.maximum(np.cos(angle), 1e-3), 50.0)
+    return np.minimum(walls, front).astype(np.float32)
+
+
+def lost_step(manoeuvre: Relocalise, track: Track, lost: float, contact: bool = False) -> Command | None:
+    done = manoeuvre.step(view(corridor(9.0)), contact, where(lost), GOAL, track)
+    return None if done is None else done[0]
+
+
+def test_it_leaves_the_wheels_alone_unless_the_robot_is_lost_on_a_journey() -> None:
+    manoeuvre, track = Relocalise(Pilot(PilotSettings())), Track(TopoMap())
+    assert manoeuvre.step(view(None), False, where(0.9), Goal(Phase.TEACH), track) is None
+    assert lost_step(manoeuvre, track, 0.4) is None
+    assert lost_step(manoeuvre, track, 0.6) is not None
+    assert lost_step(manoeuvre, track, 0.2) is not None  # not before it is sure again
+    assert lost_step(manoeuvre, track, 0.04) is None
+    assert lost_step(manoeuvre, track, 0.2) is None
+
+
+def test_it_drives_on_where_there_is_room_and_turns_back_at_an_end() -> None:
+    assert free_bearing(corridor(9.0)) == 0.0
+    assert abs(free_bearing(corridor(0.5))) == pytest.approx(math.pi)
+    command = lost_step(Relocalise(Pilot(PilotSettings())), Track(TopoMap()), 1.0)
+    assert command is not None
+    assert 0.2 < command.forward <= 0.3
+
+
+def test_a_contact_stops_it_and_turns_it_away() -> None:
+    manoeuvre, track = Relocalise(Pilot(PilotSettings())), Track(TopoMap())
+    touched = lost_step(manoeuvre, track, 1.0, contact=True)
+    assert touched is not None
+    assert touched.forward == 0.0
+    assert touched.turn > 0.5
+
+
+def test_it_gives_up_after_its_way_and_stops() -> None:
+    manoeuvre, track = Relocalise(Pilot(PilotSettings())), Track(TopoMap())
+    assert lost_step(manoeuvre, track, 1.0) != Command()
+    track.travel = WAY + 0.1
+    done = manoeuvre.step(view(corridor(9.0)), False, where(1.0), GOAL, track)
+    assert done is not None
+    assert done[0] == Command()
+    assert done[1].phase is Phase.FAILED
+    assert "gave up" in done[1].note

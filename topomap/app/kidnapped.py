@@ -1,0 +1,183 @@
+"""A taught robot set down anywhere on its map, turned any way: how far it drives until it knows where."""
+
+from __future__ import annotations
+
+import copy
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from sim2d import worlds
+from sim2d.errors import WorldError
+from sim2d.records import SetDown
+from sim2d.robot import SimRobot
+from topomap.app.config import RunConfig
+from topomap.app.warm_up import warm_up
+from topomap.app.wiring import build_navigator
+from topomap.core.arrays import BoolArray, FloatArray
+from topomap.core.errors import DataError
+from topomap.core.geometry import Pose2, wrap
+from topomap.core.records import Phase, Where
+from topomap.evaluation.statistics import Interval, share_interval
+from topomap.mapping.graph import TopoMap
+from topomap.navigation.manoeuvres.relocalise import FOUND
+from topomap.navigation.navigator import Navigator
+
+WRONG, WRONG_TURN = 1.0, math.radians(20.0)
+"""[m], [rad] What a belief misses by, one of them at least, to be wrong: as a closure to be false."""
+SOON = 10.0
+"""[m] Travel within which a kidnapped robot shall know its node."""
+ASIDE = 0.3
+"""[m] How far beside the taught route the robot is set down at most."""
+BINS = (0.0, 0.05, 0.2, 0.4, 0.6, 0.8, 0.95, 1.0)
+Pose = tuple[float, float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Lesson:
+    """A world that was taught: the navigator at the hand-over, the nodes' true poses (N, 3), and the next step."""
+
+    world: str
+    seed: int
+    config: RunConfig
+    navigator: Navigator
+    truth: FloatArray
+    step: int
+
+
+@dataclass(frozen=True, eq=False)
+class Search:
+    """One start: found: the robot said it knows; right: it was where it said; way [m] driven until then.
+
+    lost (K,), wrong (K,): what it said at each step, and whether its likeliest pose was wrong.
+    """
+
+    found: bool
+    right: bool
+    way: float
+    lost: FloatArray
+    wrong: BoolArray
+
+
+@dataclass(frozen=True)
+class Bin:
+    """Steps with `lost` between two bounds: how many, its mean, and the share that was wrong."""
+
+    low: float
+    high: float
+    steps: int
+    said: float
+    wrong: float
+
+
+@dataclass(frozen=True)
+class Tally:
+    """All starts of a world and seed: share found rightly within 10 m and at all, sure and wrong, median way [m].
+
+    error: the mean difference of `lost` and the share that was wrong, over bins of `lost` weighted by their steps.
+    """
+
+    starts: int
+    soon: Interval
+    found: Interval
+    sure_and_wrong: int
+    median_way: float
+    error: float
+    bins: tuple[Bin, ...]
+
+
+def teach(world: str, seed: int, config: RunConfig) -> Lesson:
+    """Drive the world's route once; the stack is kept as it stands when the driver hands over. Raises DataError."""
+    try:
+        robot = SimRobot(worlds.load(world), config.sim, seed)
+    except WorldError as error:
+        raise DataError(str(error)) from error
+    warm_up(config.stack)
+    navigator = build_navigator(config.stack)
+    truth: dict[int, Pose] = {}
+    step = 0
+    while (reading := robot.sense()) is not None and reading.driven:
+        here = robot.truth()
+        truth[reading.stamp_ns] = here.x, here.y, here.heading
+        navigator.step(reading)
+        step += 1
+    nodes = np.array([truth[node.stamp_ns] for node in navigator.mapper.map.nodes])
+    return Lesson(world, seed, config, navigator, nodes, step + 1)
+
+
+def starts(lesson: Lesson, count: int) -> list[Pose]:
+    """Return true poses spread over the taught route, up to 0.3 m beside it, turned any way."""
+    rng = np.random.default_rng(np.random.SeedSequence([lesson.seed, count]))
+    views = [k for k, node in enumerate(lesson.navigator.mapper.map.nodes) if node.snapshot is not None]
+    found = []
+    for _ in range(count):
+        x, y, heading = lesson.truth[views[int(rng.integers(len(views)))]]
+        aside, turn = rng.uniform(-ASIDE, ASIDE), rng.uniform(-math.pi, math.pi)
+        found.append((float(x - aside * math.sin(heading)), float(y + aside * math.cos(heading)), float(turn)))
+    return found
+
+
+def search(lesson: Lesson, start: Pose, farthest: float = 35.0) -> Search:
+    """Set the robot down and let it go home, until it says that it knows where it is or gives up."""
+    navigator = copy.deepcopy(lesson.navigator)
+    robot = SimRobot(worlds.load(lesson.world), lesson.config.sim, lesson.seed, SetDown(start, lesson.step))
+    way, before, said, wrong = 0.0, start, list[float](), list[bool]()
+    while way < farthest and (reading := robot.sense()) is not None:
+        command, record = navigator.step(reading)
+        truth = robot.truth()
+        here = truth.x, truth.y, truth.heading
+        way, before = way + math.hypot(here[0] - before[0], here[1] - before[1]), here
+        said.append(record.where.lost)
+        wrong.append(_is_wrong(record.where, here, lesson.truth, navigator.mapper.map))
+        known = record.where.lost < FOUND and len(said) > 1
+        if known or record.travel.phase in (Phase.ARRIVED, Phase.FAILED):
+            return Search(known, known and not wrong[-1], way, np.array(said), np.array(wrong))
+        robot.act(command)
+    return Search(False, False, way, np.array(said), np.array(wrong))
+
+
+def _is_wrong(where: Where, here: Pose, nodes: FloatArray, topo: TopoMap) -> bool:
+    """Hold a belief against the truth, seen from the node it names: the map's own errors elsewhere don't count."""
+    if where.node is None:
+        return True
+    believed = Pose2.of(nodes[where.node]) @ topo.pose(where.node).to(where.pose)
+    apart = math.hypot(believed.x - here[0], believed.y - here[1])
+    return apart > WRONG or abs(wrap(believed.heading - here[2])) > WRONG_TURN
+
+
+def tally(searches: list[Search]) -> Tally:
+    """Return the figures of some searches."""
+    count = len(searches)
+    right = [one for one in searches if one.right]
+    lost = np.concatenate([one.lost for one in searches])
+    bins = _bins(lost, np.concatenate([one.wrong for one in searches]))
+    return Tally(
+        count,
+        share_interval(sum(one.way <= SOON for one in right), count),
+        share_interval(len(right), count),
+        sum(one.found and not one.right for one in searches),
+        float(np.median([one.way if one.right else np.inf for one in searches])),
+        sum(one.steps * abs(one.said - one.wrong) for one in bins) / max(len(lost), 1),
+        bins,
+    )
+
+
+def _bins(lost: FloatArray, wrong: BoolArray) -> tuple[Bin, ...]:
+    found = []
+    for low, high in pairwise(BINS):
+        inside = (lost >= low) & ((lost < high) | (high == BINS[-1]))
+        if inside.any():
+            found.append(Bin(low, high, int(inside.sum()), float(lost[inside].mean()), float(wrong[inside].mean())))
+    return tuple(found)
+
+
+def run_searches(lesson: Lesson, count: int, advance: Callable[[], None]) -> list[Search]:
+    """Return the searches of so many starts."""
+    found = []
+    for start in starts(lesson, count):
+        found.append(search(lesson, start))
+        advance()
+    return found

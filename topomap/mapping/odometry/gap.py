@@ -1,0 +1,36 @@
+"""A gap in the odometry: an increment that is in the map, but tells nothing."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from topomap.core.arrays import FloatArray
+from topomap.core.geometry import Pose2
+from topomap.core.records import Motion
+from topomap.mapping.odometry.increments import Calibration, Increments, integrate
+
+GAP = np.diag(np.square([50.0, 50.0, math.pi]))
+"""Covariance of an increment over which the robot may have been carried anywhere in a building, and turned."""
+
+
+def bridged(increments: Increments, calibration: Calibration, target: Pose2) -> Increments:
+    """Return an edge's increments whose last one, which becomes a gap, leads to `target`, its end seen from its start.
+
+    Where a gap leads isn't measured: it is set, so that the route as integrated is the route as believed.
+    """
+    before, _, _ = integrate(increments[:-1], calibration)
+    rest = Pose2.of(before).to(target)
+    c, s = math.cos(rest.heading / 2), math.sin(rest.heading / 2)
+    forward, left = c * rest.x + s * rest.y, c * rest.y - s * rest.x
+    raw = _as_read(Motion(forward, left, rest.heading, GAP, 0.0), calibration)
+    deltas, covariances = increments.deltas.copy(), increments.covariances.copy()
+    deltas[-1], covariances[-1] = raw, GAP
+    return Increments(increments.stamps_ns, deltas, covariances)
+
+
+def _as_read(motion: Motion, calibration: Calibration) -> FloatArray:
+    """Return forward, left, turn (3,) as an odometer with these errors reads a true motion."""
+    turn = calibration.rotation_scale * motion.turn + calibration.curvature * motion.forward
+    return np.array([calibration.distance_scale * motion.forward, calibration.distance_scale * motion.left, turn])

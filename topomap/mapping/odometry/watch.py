@@ -1,0 +1,96 @@
+"""Whether a step's odometry can be true: the view after it against the view before it."""
+
+from __future__ import annotations
+
+from collections import deque
+
+import numpy as np
+
+from topomap.core.arrays import FloatArray
+from topomap.core.geometry import TAU
+from topomap.core.panorama import Panorama
+from topomap.core.robot import MotionReading
+from topomap.vision.image.compare import signature
+
+SECTORS = 15
+"""Parts of the view that are compared one by one: people who pass change a third of them, being carried away all."""
+MEMORY, FEWEST = 60, 10
+"""Steps over which the usual change is taken, and before which nothing is usual."""
+TIMES = 2.5
+"""A change so many times the usual one is a break: undisturbed it is at most 1.8 times, carried on by a metre 3 or
+more in `hall`, where views change most slowly."""
+LEAST = 0.2
+"""Change below which nothing is a break: a noisy image's at rest is 0.05."""
+TURN_WAY = 0.2
+"""[m] Way that changes a view as much as turning by one radian on the spot does."""
+STILL, MOVING = 0.02, 0.5
+"""[m] Way up to which wheels stand, and the share of the usual change from which on a view moves nevertheless."""
+UNMOVED = 0.2
+"""Share of the usual change up to which a view stands still."""
+PATIENCE = 4
+"""Steps in a row in which wheels and view contradict one another: people who pass do so for two or three."""
+
+
+class OdometryWatch:
+    """Learns how much views change on the way, and says when one changes far more, or for long not as wheels say."""
+
+    def __init__(self) -> None:
+        self._previous: Panorama | None = None
+        self._changes: deque[float] = deque(maxlen=MEMORY)
+        self._ways: deque[float] = deque(maxlen=MEMORY)
+        self._dead = self._spinning = 0
+
+    @property
+    def doubted(self) -> bool:
+        """Whether wheels and views contradict one another now."""
+        return max(self._dead, self._spinning) >= PATIENCE
+
+    def judge(self, panorama: Panorama, motion: MotionReading) -> str:
+        """Return why the robot isn't where odometry has it, or "": it was carried away, or wheels failed until now."""
+        previous, self._previous = self._previous, panorama
+        if previous is None:
+            return ""
+        change = _change(panorama, previous, float(motion.turn))
+        way = abs(motion.forward) + abs(motion.left) + TURN_WAY * abs(motion.turn)
+        if len(self._changes) >= FEWEST and self._jumped(change, way):
+            return f"carried away: the view changed by {change:.2f}, {self._usual:.2f} is usual over a step"
+        ended = self._contradicted(change, way)
+        if way > STILL and not self._spinning and change < TIMES * max(self._usual, LEAST):
+            self._changes.append(change)
+            self._ways.append(way)
+        return ended
+
+    @property
+    def _usual(self) -> float:
+        return float(np.median(self._changes)) if self._changes else 0.0
+
+    def _jumped(self, change: float, way: float) -> bool:
+        longer = max(1.0, way / float(np.median(self._ways)))
+        return change > max(TIMES * self._usual * longer, LEAST)
+
+    def _contradicted(self, change: float, way: float) -> str:
+        """Count the steps in which the wheels stand and the view moves, or the other way round."""
+        before, dead, spinning = self.doubted, self._dead, self._spinning
+        if len(self._changes) < FEWEST:
+            return ""
+        usual = self._usual
+        slow = min(way / float(np.median(self._ways)), 1.0)
+        self._dead = self._dead + 1 if way <= STILL and MOVING * usual < change else 0
+        self._spinning = self._spinning + 1 if way > STILL and change < UNMOVED * usual * slow else 0
+        if before and not self.doubted:
+            return f"the odometry stood still for {dead} steps" if dead else f"the wheels spun for {spinning} steps"
+        return ""
+
+
+def _change(now: Panorama, before: Panorama, turn: float) -> float:
+    """Return the median over sectors of the rms difference of two views, turned by the odometry's turn or nearly."""
+    a, b = signature(now), signature(before)
+    columns = a.pixels.shape[1]
+    frequencies = np.arange(a.spectrum.shape[1])
+    turns = (turn + np.array([-1.0, 0.0, 1.0]) * TAU / columns) % TAU
+    phases = np.exp(-1j * frequencies[None] * turns[:, None])
+    rolled = np.fft.irfft(a.spectrum[None] * phases[:, None, :], n=columns, axis=2)
+    squares: FloatArray = np.square(rolled - b.pixels[None]).mean(axis=1)
+    bounds = np.linspace(0, columns, SECTORS, endpoint=False).astype(np.int64)
+    sectors = np.add.reduceat(squares, bounds, axis=1) / np.diff(np.append(bounds, columns))
+    return float(np.sqrt(np.median(sectors, axis=1).min()))

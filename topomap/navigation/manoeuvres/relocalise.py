@@ -1,0 +1,90 @@
+"""The robot that is lost drives a short way through free space, until what it sees leaves one place."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from topomap.core.arrays import Float32Array, FloatArray
+from topomap.core.geometry import TAU, wrap, wrap_all
+from topomap.core.panorama import Panorama
+from topomap.core.records import Command, Goal, Phase, Travel, Where
+from topomap.mapping.track import Track
+from topomap.navigation.pilot import Pilot
+from topomap.vision.image.ground_line import ground_ranges
+
+LOST, FOUND = 0.5, 0.05
+"""Probability of being lost from which on the robot looks for itself, and below which it goes on with its journey."""
+WAY = 30.0
+"""[m] Way after which the search is given up: ten times what half of the searches in `office-loop` take."""
+STEPS = 600
+"""Steps after which it is given up, wherever the robot is: twice what the way takes at 0.25 m/s."""
+SPEED = 0.3
+"""[m/s] Limit meanwhile: three quarters of the pilot's, as nobody knows what comes."""
+ROOM = 4.0
+"""[m] Farther away nothing makes a direction better."""
+DIRECTIONS = 36
+APERTURE = math.radians(15.0)
+"""[rad] To either side of a direction that must be free as well: half a metre at two."""
+BACK_TURN = 2.4
+"""[rad] Turn after a contact that no range foretold: away from what was touched, and not back to it."""
+
+
+class Relocalise:
+    """Takes the wheels while the robot is lost on a journey.
+
+    It never drives blind: it steers by ranges, without them by where the floor ends, and a contact turns it away.
+
+    A panorama shows all directions at once, so turning on the spot would show nothing new: it drives at once.
+    """
+
+    def __init__(self, pilot: Pilot) -> None:
+        self._pilot = pilot
+        self._began: float | None = None
+        self._steps = 0
+        self._turning = 0.0
+
+    def step(
+        self, panorama: Panorama, contact: bool, where: Where, goal: Goal, track: Track
+    ) -> tuple[Command, Travel] | None:
+        """Return the command and what was done, or None where the robot knows where it is."""
+        if goal.phase is not Phase.TRAVEL or where.lost <= (LOST if self._began is None else FOUND):
+            self._began, self._steps, self._turning = None, 0, 0.0
+            return None
+        if self._began is None:
+            self._began = track.travel
+        self._steps += 1
+        way = track.travel - self._began
+        if way > WAY or self._steps > STEPS:
+            return Command(), Travel(Phase.FAILED, note=f"lost: gave up after looking around for {way:.0f} m")
+        return self._drive(panorama, contact, track), Travel(
+            Phase.TRAVEL, note=f"lost ({where.lost:.2f}): looks around"
+        )
+
+    def _drive(self, panorama: Panorama, contact: bool, track: Track) -> Command:
+        if contact:
+            self._turning = BACK_TURN
+        if self._turning > 0.1:
+            self._turning -= abs(track.turn)
+            return Command(0.0, self._pilot.steer(math.pi / 2, None).turn)
+        ranges = panorama.ranges if panorama.ranges is not None else ground_ranges(panorama)
+        bearing = free_bearing(ranges)
+        return self._pilot.steer(bearing, ranges, SPEED)
+
+
+def free_bearing(ranges: Float32Array) -> float:
+    """Return the bearing [rad] with the most room, the more so the less it turns the robot; ranges (W,) [m]."""
+    directions = wrap_all(np.arange(DIRECTIONS) * TAU / DIRECTIONS)
+    room = np.minimum(_room(directions, ranges), ROOM)
+    score = room * (0.6 + 0.4 * np.cos(directions))
+    return wrap(float(directions[np.argmax(score)]))
+
+
+def _room(directions: FloatArray, ranges: Float32Array) -> FloatArray:
+    """Return (D,) the nearest range within the aperture of each direction; what isn't measured tells nothing."""
+    bearings = np.arange(len(ranges)) * TAU / len(ranges)
+    aside = np.abs(wrap_all(bearings[None] - directions[:, None])) <= APERTURE
+    known = np.where(np.isfinite(ranges), ranges, np.inf)
+    nearest: FloatArray = np.where(aside, known[None], np.inf).min(axis=1)
+    return nearest
