@@ -86,7 +86,9 @@ class CameraConfig(Section):
 class LaserConfig(Section):
     """The range scanner."""
 
-    scanner: Literal["ring", "urg"] = Field("ring", description="all round at once, or two opposite shots of a scanner")
+    scanner: Literal["ring", "urg", "none"] = Field(
+        "ring", description="all round at once, two opposite shots of a scanner, or the camera alone"
+    )
     rays: int = Field(720, ge=1, le=7200, description="ranges per turn that are handed over")
     height: float = Field(0.0, ge=0, le=10, description="only what is at least as high is hit [m]")
     noise: float = Field(0.01, ge=0, le=10, description="range noise, standard deviation [m]")
@@ -207,6 +209,7 @@ class OdometryFaultConfig(MomentConfig):
 class SimConfig(Section):
     """All of the simulator."""
 
+    textures: int = Field(0, ge=0, le=10**6, description="seed of the looks of a world's surfaces")
     camera: CameraConfig = Field(default_factory=CameraConfig, description="panoramic camera")
     laser: LaserConfig = Field(default_factory=LaserConfig, description="range scanner")
     odometer: OdometerConfig = Field(default_factory=OdometerConfig, description="odometer and its errors")

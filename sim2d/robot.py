@@ -66,7 +66,8 @@ class SimRobot:
         )
         self._missing, self._repeated = stream(seed, "missing frames"), stream(seed, "repeated frames")
         self._frame: tuple[NDArray[np.uint8], bytes] | None = None
-        self._laser = Laser(config.laser, stream(seed, "range noise"))
+        blind = config.laser.scanner == "none"
+        self._laser = None if blind else Laser(config.laser, stream(seed, "range noise"))
         streams = (stream(seed, name) for name in ("drift", "odometry noise", "slip", "floor and load"))
         self._odometer = Odometer(config.odometer, *streams)
         self._way = Way(config.body.step, (self._body.x, self._body.y, self._body.heading))
@@ -118,17 +119,31 @@ class SimRobot:
             stamp_ns=self._stamp(),
             image=image,
             encoded=encoded,
-            ranges=self._laser.scan(self.world, *self._way.back(self._config.laser.lag)),
+            ranges=self._scan(),
             motion=motion,
             rig=self._camera.rig,
             contact=self._body.contact,
             driven=self._driven,
         )
 
+    def _scan(self) -> NDArray[np.float32] | None:
+        if self._laser is None:
+            return None
+        return self._laser.scan(self.world, *self._way.back(self._config.laser.lag))
+
     def act(self, command: Wheels) -> None:
         """Set the wheels for the steps to come; ignored while the driver has them."""
         if not self._driven and not self._stopped:
             self._wheels = (float(command.forward), float(command.turn))
+
+    def rest(self) -> None:
+        """Stop the wheels until the next command."""
+        if not self._driven:
+            self._wheels = (0.0, 0.0)
+
+    def put(self, x: float, y: float, heading: float) -> None:
+        """Set the robot down somewhere else [m, rad], which no wheel notices."""
+        self._body.put(x, y, heading)
 
     def stop(self) -> None:
         """Stop the wheels for good."""

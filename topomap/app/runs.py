@@ -67,7 +67,7 @@ class RunResult:
 def open_world(name: str, seed: int, config: RunConfig) -> SimRobot:
     """Return the robot in a named world. Raises DataError for an unknown world."""
     try:
-        return SimRobot(worlds.load(name), config.sim, seed)
+        return SimRobot(worlds.load(name, config.sim.textures), config.sim, seed)
     except WorldError as error:
         raise DataError(str(error)) from error
 
@@ -247,6 +247,7 @@ def _final_map(navigator: Navigator, last: StepRecord, steps_per_s: float) -> Fi
         steps_per_s,
         travel is Phase.ARRIVED if asked else None,
         last.goal.node,
+        trust=mapper.optimisation.trust,
         topology_hash=mapper.topology_hash(),
     )
 

@@ -1,4 +1,4 @@
-"""Commands on maps: info, places, merge, prune, export of a saved one, and tuc, which maps a recording."""
+"""Commands on maps: FOLDER and tuc, which map a recording; info, places, merge, prune, export of a saved map."""
 
 from __future__ import annotations
 
@@ -7,19 +7,32 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import typer
+from typer.core import TyperGroup
 
-from topomap.cli.console import console, share, table
+from topomap.cli.console import console, progress, share, table
 from topomap.cli.run_commands import show
-from topomap.cli.words import FORCE
+from topomap.cli.words import CONFIG, FORCE, SETTINGS
 
 if TYPE_CHECKING:
+    from typer._click.core import Command, Context  # typer's own copy of click: for the types alone
+
     from topomap.app.maps import Written
 
 MAP = typer.Argument(help="Map file, as runs/a/run.topomap.", metavar="MAP")
 
+
+class _FolderOrCommand(TyperGroup):
+    """`map FOLDER` is `map drive FOLDER`: what names no command is a folder."""
+
+    def resolve_command(self, ctx: Context, args: list[str]) -> tuple[str | None, Command | None, list[str]]:
+        known = args[0] in self.commands or args[0].startswith("-")
+        return super().resolve_command(ctx, args if known else ["drive", *args])
+
+
 mapping = typer.Typer(
-    help="Look at saved maps, name places, merge, prune and export them; map a recording of a real robot. "
-    "A map is travelled on by `topomap run WORLD --map MAP --mission ...`.",
+    cls=_FolderOrCommand,
+    help="Map a recording of a real robot (map FOLDER, or map KIND FOLDER), or look at saved maps, name places, merge, "
+    "prune and export them. A map is travelled on by `topomap run WORLD --map MAP --mission ...`.",
     no_args_is_help=True,
     rich_markup_mode=None,
 )
@@ -33,6 +46,30 @@ def add_to(app: typer.Typer) -> None:
 @mapping.callback()
 def _group() -> None:
     pass
+
+
+@mapping.command()
+def drive(
+    path: Path = typer.Argument(help="Folder with drive.csv, rig.json and panoramas.", metavar="FOLDER"),
+    out: Path | None = typer.Option(None, help="Folder for log, map, summary and report [runs/NAME]."),
+    config: Path | None = CONFIG,
+    settings: list[str] = SETTINGS,
+    force: bool = FORCE,
+    made_odometry: int | None = typer.Option(
+        None, min=0, metavar="SEED", help="An experiment: make odometry from the true positions, with drift and noise."
+    ),
+) -> None:
+    """Map a drive of panoramas with odometry: `map FOLDER` for short; write log, map, summary and report."""
+    from topomap.app import recordings
+    from topomap.app.config import load_config
+    from topomap.app.folder import RunFolder
+    from topomap.datasets.drive_folder import read_folder
+
+    chosen, recorded = load_config(config, settings), read_folder(path)
+    folder = RunFolder.create(out or Path("runs") / recorded.name, force=force)
+    with progress(recorded.name, len(recorded.table)) as advance:
+        result = recordings.map_drive(recorded, folder, chosen, advance, made_odometry)
+    show(result)
 
 
 @mapping.command()

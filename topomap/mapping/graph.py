@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from bisect import bisect_left
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -18,6 +18,7 @@ from topomap.core.recorded import RecordedRig
 from topomap.mapping.experience import Experience
 from topomap.mapping.odometry.gap import bridged
 from topomap.mapping.odometry.increments import Calibration, Increments, integrate, track
+from topomap.mapping.odometry.noise import AS_DECLARED, OdometerNoise
 from topomap.mapping.optimizer.problem import ClosureEdge, TurnEdge
 
 BETWEEN_DRIVES_NS = 3_600_000_000_000
@@ -46,12 +47,12 @@ class TopoMap:
     """Nodes, their poses, odometry edges along the travelled chain, closures, and turns measured between snapshots.
 
     Nodes are counted in the order of creation; `chain` lists them in travel order (a pose node that was inserted
-    later stands between its neighbours). Only Mapper changes a map, but for `experience`,
-    which journeys write.
+    later stands between its neighbours). Only Mapper changes a map, but for `experience`, which journeys write.
 
     names: each node's number for people, which stays when others are taken out; places: a name given to a node's
     number; jumps: nodes that can't be driven to from the one before them on the chain, as another drive begins there,
-    or as the way between was taken out; view: what is kept of a snapshot.
+    or as the way between was taken out; view: what is kept of a snapshot; noise: what its odometry's declared variances
+    are taken times; weighings: how often the measured turns were weighed anew.
     """
 
     def __init__(self) -> None:
@@ -64,11 +65,14 @@ class TopoMap:
         self.closures: list[ClosureEdge] = []
         self.turns: list[TurnEdge] = []
         self.calibration = Calibration()
+        self.noise = AS_DECLARED
+        self.weighings = 0
         self.experience = Experience()
         self.graph: nx.Graph[int] = nx.Graph()
         self._next_name = 0
         self._poses = np.zeros((64, 3))
         self._increments: dict[tuple[int, int], Increments] = {}
+        self._judged: dict[tuple[int, int], Increments] = {}
 
     @property
     def poses(self) -> FloatArray:
@@ -143,6 +147,16 @@ class TopoMap:
         """Set the poses (n, 3) of some nodes (n,)."""
         self.poses[nodes] = poses
 
+    def judge(self, noise: OdometerNoise) -> None:
+        """Take the odometry's errors for what the data says."""
+        self.noise = noise
+        self._judged.clear()
+
+    def weigh(self, turns: Sequence[TurnEdge]) -> None:
+        """Replace the measured turns: the same ones with other sigmas, or some left out."""
+        self.turns[:] = turns
+        self.weighings += 1
+
     def end_before(self, stamp_ns: int) -> None:
         """Set all stamps back, as one, so far that another drive can begin at a stamp [ns]; nothing if it can."""
         last = self.nodes[self.chain[-1]].stamp_ns
@@ -158,24 +172,38 @@ class TopoMap:
         return self.names.index(name) if name in self.names else None
 
     def odometry_edges(self) -> Iterator[tuple[int, int, Increments]]:
-        """Yield (a, b, increments) along the chain."""
+        """Yield (a, b, increments) along the chain, their covariances as judged."""
         return self.edges_from(0)
 
     def replace_way(self, a: int, b: int, increments: Increments) -> None:
         """Set the odometry from a node to the next on the chain; it must lead to where the old one did."""
         self._increments[a, b] = increments
+        self._judged.pop((a, b), None)
 
     def edges_from(self, place: int) -> Iterator[tuple[int, int, Increments]]:
-        """Yield (a, b, increments) along the chain from a place in it on."""
-        for a, b in pairwise(self.chain[place:]):
-            yield a, b, self._increments[a, b]
+        """Yield (a, b, increments) along the chain from a place in it on, their covariances as judged."""
+        for edge in pairwise(self.chain[place:]):
+            if edge not in self._judged:
+                declared = self._increments[edge]
+                self._judged[edge] = declared if self.noise is AS_DECLARED else self.noise.judged(declared)
+            yield *edge, self._judged[edge]
 
     def way(self, a: int, b: int) -> Increments:
-        """Return the increments from node a to node b, which comes later on the chain and not long before its end."""
+        """Return the increments as declared from node a to node b, which comes later on the chain and not long before
+        its end.
+        """
         last = len(self.chain) - 1 - self.chain[::-1].index(b)
         first = last - self.chain[last::-1].index(a)
         nodes = self.chain[first : last + 1]
         return Increments.concatenate([self._increments[pair] for pair in pairwise(nodes)])
+
+    def dead_reckoning(self) -> FloatArray:
+        """Return the nodes' poses (N, 3) by odometry as read, from the first on."""
+        poses = self.poses.copy()
+        for before, node in pairwise(self.chain):
+            delta, _, _ = integrate(self._increments[before, node], Calibration())
+            poses[node] = compose(poses[before], delta)
+        return poses
 
     def trajectory(self, first: int | None = None) -> tuple[IntArray, FloatArray]:
         """Return stamps (K,) and poses (K, 3) of every step up to the last node, on the corrected route.
@@ -269,6 +297,7 @@ class TopoMap:
 
     def _split(self, a: int, b: int, place: int, stamp_ns: int) -> int:
         whole = self._increments.pop((a, b))
+        self._judged.pop((a, b), None)
         first, second = whole.split(int(np.searchsorted(whole.stamps_ns, stamp_ns)) + 1)
         travel = self.nodes[a].travel + float(np.abs(first.deltas[:, 0]).sum())
         pose = self._steps(a, b, whole)[len(first) - 1]

@@ -153,7 +153,7 @@ class Mapper:
     def finish(self, stamp_ns: int) -> None:
         """End the map at the last reading, so that every step lies on it, and correct it a last time."""
         self.track.node_at(stamp_ns)
-        self.optimisation.solve(stamp_ns, self.ledger)
+        self.optimisation.finish(stamp_ns, self.ledger)
 
     def graph_hash(self) -> str:
         """Return the hash over nodes, edges, verdicts and poses."""

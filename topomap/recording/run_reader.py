@@ -17,7 +17,7 @@ from logs.replay import decoded
 from topomap.core.arrays import FloatArray, Image
 from topomap.core.errors import DataError
 from topomap.core.records import CalibrationState, Decision, Phase, Verdict
-from topomap.core.run_data import NodeData, RunData
+from topomap.core.run_data import NodeData, RunData, Trust
 from topomap.recording import decode
 from topomap.recording import steps as columns
 from topomap.recording.steps import Steps, read_steps
@@ -110,6 +110,7 @@ def _load(log_file: LogReader) -> RunData:
         milestones=_milestones(steps),
         replayed=header.replayed,
         graph_hash="" if final is None else final.graph_hash,
+        trust=Trust() if final is None else Trust(final.kept or "", final.way_noise, final.turn_noise),
         stage_ms=steps.stage_ms,
         steps_per_s=None if performance is None else performance.steps_per_s,
         topology_hash=(final and final.topology_hash) or "",
