@@ -272,6 +272,8 @@ class Edge:
 class Final:
     """The finished map: trajectory (N stamps, N * 3 values row by row, map frame), nodes, edges, identity.
 
+    kept: which of several maps this is, and why; way_noise, turn_noise: what the odometry's declared variances were
+    taken times, None where nothing told;
     fault: what ended the run before its time, None where nothing did.
     """
 
@@ -285,3 +287,6 @@ class Final:
     goal_node: int | None
     topology_hash: str | None = None
     fault: str | None = None
+    kept: str | None = None
+    way_noise: float | None = None
+    turn_noise: float | None = None

@@ -32,15 +32,20 @@ SMALLER = {
 }
 LESS = {
     "topomap sweep": ["--set", "sim.driver.laps=0.3", "--set", "stack.mission.then=stop"],
+    "topomap run hall --mission hall": [
+        f"--set={word}" for word in ("stack.hall.ahead=2.5", "stack.hall.behind=0.3", "stack.hall.width=1.8")
+    ],
     "topomap bench graphs": ["--seeds", "0", "--peers", "none"],
     "topomap bench homing --env": ["--starts", "0"],
     "topomap bench homing --grid": ["--methods", "alv"],
+    "topomap bench drive": ["--draws", "1", "--jobs", "1"],
 }
 """What the README leaves at its default is made less here."""
 NOT_HERE = {
     "make demo": "installs into .venv; it then runs the first command of the list",
     "make test": "this is it",
     "make bench": "takes an hour",
+    "make mutate": "takes an hour",
 }
 
 
@@ -83,11 +88,23 @@ def grid(folder: Path) -> None:
     (folder / "grid.toml").write_text('pattern = "{x}_{y}.png"\nunit_m = 0.3\n')
 
 
+def drive(folder: Path) -> None:
+    """Somebody's panoramas along a way."""
+    folder.mkdir()
+    rng, rows = np.random.default_rng(0), ["stamp_s,x_m,y_m,heading_rad,image"]
+    for k in range(12):
+        cv2.imwrite(str(folder / f"{k}.png"), rng.integers(0, 256, (20, 72, 3), dtype=np.uint8))
+        rows.append(f"{k},{0.3 * k},0,0,{k}.png")
+    (folder / "drive.csv").write_text("\n".join(rows))
+    (folder / "rig.json").write_text('{"horizon_row": 9.5, "camera_height": 0.5}')
+
+
 @pytest.fixture(scope="module")
 def clone(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("clone")
     (folder / "examples").symlink_to(ROOT / "examples")
     grid(folder / "FOLDER")
+    drive(folder / "DRIVE")
     (folder / "small").mkdir()
     for name in SMALL_WORLDS:
         (folder / "small" / f"{name}.toml").write_text(DEN.read_text().replace('"den"', f'"{name}"'))

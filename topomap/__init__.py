@@ -9,6 +9,7 @@ from topomap.core.caches import see_to_caches
 if TYPE_CHECKING:
     from topomap.app.config import RunConfig, load_config
     from topomap.app.drive import drive, replay
+    from topomap.app.recordings import map_folder
     from topomap.app.runs import RunResult
     from topomap.app.wiring import build_navigator
     from topomap.core.errors import RobotFault, TopomapError
@@ -66,6 +67,7 @@ _LAZY = {
     "load_map": "topomap.mapping.mapfile:load_map",
     "load_panorama": "topomap.vision.home:load_panorama",
     "load_run": "topomap.recording.run_reader:load_run",
+    "map_folder": "topomap.app.recordings:map_folder",
     "optimise_graph": "topomap.mapping.graph_engine:optimise_graph",
     "read_graph": "topomap.datasets.g2o:read_graph",
     "replay": "topomap.app.drive:replay",
@@ -75,7 +77,7 @@ __all__ = [
     "ALIGNERS", "METHODS", "TESTS", "Alignment", "ClosureTest", "Command", "Finding", "HomeVector", "Mapper", "Motion",
     "Navigator", "Panorama", "Pose2", "Reading", "Rig", "Robot", "RobotFault", "RunConfig", "RunData", "RunResult",
     "TopoMap", "TopomapError", "__version__", "build_navigator", "check_robot", "drive", "home", "load_config",
-    "load_map", "load_panorama", "load_run", "optimise_graph", "read_graph", "replay", "save_map",
+    "load_map", "load_panorama", "load_run", "map_folder", "optimise_graph", "read_graph", "replay", "save_map",
 ]  # fmt: skip
 
 

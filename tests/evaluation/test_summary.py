@@ -31,6 +31,7 @@ KEYS = {
     "distance_scale": {"true", "found", "sigma"},
     "curvature": {"true", "found", "sigma"},
     "home": {"asked", "claimed", "within_0_3_m", "error_m", "path_ratio", "collisions"},
+    "trust": {"kept", "way_noise", "turn_noise"},
     "graph_hash": None,
     "topology_hash": None,
     "fault": None,

@@ -8,8 +8,8 @@ from lapped import lapped
 
 from topomap.core.arrays import FloatArray
 from topomap.core.errors import TopomapError
-from topomap.mapping.closures.batch import CLOSING
 from topomap.mapping.closures.drive import HELD
+from topomap.mapping.closures.working_map import CLOSING
 from topomap.mapping.optimizer import HeldSolver, Problem, solve
 from topomap.mapping.optimizer.block_cholesky import BlockPattern
 
@@ -40,6 +40,17 @@ def test_the_factor_solves_as_dense_algebra_does(nodes: int, edges: int, seed: i
     assert pattern.factor(blocks)
     assert pattern.solve(blocks, right).ravel() == pytest.approx(np.linalg.solve(dense, right.ravel()), abs=1e-9)
     assert pattern.log_determinant(blocks) == pytest.approx(np.linalg.slogdet(dense)[1])
+
+
+def test_the_inverse_is_that_of_dense_algebra_where_the_factor_has_blocks() -> None:
+    pattern, blocks, dense = _matrix(40, 120, 4)
+    assert pattern.factor(blocks)
+    inverse, expected = pattern.inverse(blocks), np.linalg.inv(dense)
+    node = np.argsort(pattern.place)
+    for column in range(40):
+        for at in range(pattern.first[column], pattern.first[column + 1]):
+            rows, columns = 3 * node[pattern.rows[at]] + np.arange(3), 3 * node[column] + np.arange(3)
+            assert inverse[at] == pytest.approx(expected[np.ix_(rows, columns)], abs=1e-9)
 
 
 def test_a_matrix_that_is_not_positive_definite_has_no_factor() -> None:

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from sim2d import worlds
-from sim2d.config import LaserConfig
+from sim2d.config import LaserConfig, SimConfig
 from sim2d.laser import Laser
+from sim2d.robot import SimRobot
 from sim2d.shapes import Box, Ground, Look, Route, Spec, Wall, rectangle
 from sim2d.streams import stream
 from sim2d.world import World
@@ -85,3 +86,16 @@ def test_the_share_of_gaps_is_as_configured() -> None:
     world = boxes_world()
     gaps = np.mean([np.isnan(gappy.scan(world, -1.0, 0.0, 0.1)).mean() for _ in range(20)])
     assert gaps == pytest.approx(0.1, abs=0.012)
+
+
+def test_a_camera_alone_has_no_ranges_and_sees_the_same() -> None:
+    readings = []
+    for scanner in ("none", "ring"):
+        config = SimConfig.model_validate({"laser": {"scanner": scanner}})
+        robot = SimRobot(worlds.load("room-corridor"), config, 0)
+        reading = robot.sense()
+        assert reading is not None
+        readings.append(reading)
+    assert readings[0].ranges is None
+    assert readings[1].ranges is not None
+    assert readings[0].encoded == readings[1].encoded

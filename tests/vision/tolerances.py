@@ -67,17 +67,17 @@ REFERENCES: dict[str, float] = {
     "masks-3-even": 15.0,
     "masks-3-best": 16.0,
 }
-POLICIES: dict[str, tuple[float, int]] = {  # within [m] of the goal after so many looks, from 0.5 m
-    "did-basic": (0.25, 60),
-    "did-gradient-2": (0.25, 25),
-    "did-gradient-4": (0.25, 35),
-    "did-newton-4": (0.25, 35),
-    "did-newton-8": (0.25, 60),
-    "run-down": (0.3, 60),
-    "run-down-grey": (0.3, 60),
-    "run-down-threshold": (0.3, 60),
-    "run-down-sorting": (0.3, 60),
-    "run-down-rgb": (0.3, 60),
+POLICIES: dict[str, tuple[float, int, float]] = {  # within [m] of the goal, after so many looks, of a stride [m]
+    "did-basic": (0.15, 35, 0.1),
+    "did-gradient-2": (0.15, 20, 0.1),
+    "did-gradient-4": (0.15, 25, 0.1),
+    "did-newton-4": (0.15, 25, 0.1),
+    "did-newton-8": (0.15, 35, 0.1),
+    "run-down": (0.15, 40, 0.1),
+    "run-down-grey": (0.15, 40, 0.1),
+    "run-down-threshold": (0.15, 40, 0.1),
+    "run-down-sorting": (0.15, 40, 0.1),
+    "run-down-rgb": (0.15, 40, 0.1),
 }
 NO_CLAIM = {
     "alv-all",

@@ -1,23 +1,29 @@
-"""Recordings of real robots, mapped and written as a run is."""
+"""Recordings of real robots, mapped and written as a run is: TUC recordings, and folders of panoramas."""
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from topomap.app.config import RunConfig, load_config
 from topomap.app.export import write_tum
 from topomap.app.folder import RunFolder
-from topomap.app.runs import RunResult, conclude
+from topomap.app.runs import Progress, RunResult, conclude, execute
 from topomap.app.wiring import versions
 from topomap.bench.pool import Store, workers
+from topomap.bench.recordings import drives
 from topomap.bench.recordings.figure import firmness
+from topomap.bench.recordings.made_odometry import with_made_odometry
 from topomap.bench.recordings.stability import RecordingRow, RecordingTask, Variation, to_csv, to_json
+from topomap.core.run_data import TrueCalibration
+from topomap.datasets.drive_folder import DriveFolder, FolderRobot, read_folder
 from topomap.datasets.tuc.mapping import map_tuc as map_recording
 from topomap.datasets.tuc.recording import read_tuc
 from topomap.evaluation.summary import write_whole
 from topomap.mapping.drive_engine import AlongSettings
+from topomap.recording.encode import run_header
 from topomap.report.figures.style import png
 
 
@@ -37,6 +43,47 @@ def map_tuc(path: Path, out: Path, building_axes: bool = False, force: bool = Fa
     return replace(result, files=(*write_tum(data, out), folder.summary, folder.report))
 
 
+def _quiet(_: int) -> None:
+    """Take the number of steps and do nothing."""
+
+
+def map_folder(
+    folder: Path | str,
+    out: Path | str,
+    *,
+    config: Path | str | None = None,
+    settings: Iterable[str] = (),
+    force: bool = False,
+    progress: Progress = _quiet,
+) -> RunResult:
+    """Map a drive from a folder with drive.csv, rig.json and panoramas; write log, map, summary and report.
+
+    out: folder for them; config: TOML file with settings; settings: words as `stack.mapper.snapshots.threshold=0.6`;
+    force: replace what an earlier run left there; progress: is told the steps done. The format is told by
+    `topomap.datasets.drive_folder`. Raises DataError and ConfigError.
+    """
+    chosen = load_config(None if config is None else Path(config), settings)
+    return map_drive(read_folder(Path(folder)), RunFolder.create(Path(out), force=force), chosen, progress)
+
+
+def map_drive(
+    drive: DriveFolder, folder: RunFolder, config: RunConfig, progress: Progress, made_odometry: int | None = None
+) -> RunResult:
+    """Map a drive that was read from a folder.
+
+    made_odometry: seed of an odometry that is made from the true positions, an experiment; None: that of the drive.
+    """
+    known = TrueCalibration()
+    if made_odometry is not None:
+        drive, known = with_made_odometry(drive, made_odometry)
+    robot = FolderRobot(drive)
+    stored = {part: values for part, values in config.resolved().items() if part != "sim"}
+    start = robot.truth()
+    header = run_header(drive.name, drive.rig, made_odometry, stored, versions(), start, known)
+    result = execute(robot, robot if start is not None else None, header, config, folder, progress)
+    return replace(result, notes=(*drive.notes, *result.notes))
+
+
 def bench(
     path: Path, variations: Sequence[Variation], jobs: int, progress: Callable[[int], None]
 ) -> list[RecordingRow]:
@@ -53,3 +100,25 @@ def write_bench(rows: Sequence[RecordingRow], out: Path) -> tuple[Path, ...]:
     write_whole(out / "recording.csv", to_csv(rows))
     write_whole(out / "recording.png", png(firmness(rows)))
     return tuple(out / f"recording.{kind}" for kind in ("json", "csv", "png"))
+
+
+def bench_drive(
+    path: Path,
+    variations: Sequence[drives.DriveVariation],
+    config: RunConfig,
+    jobs: int,
+    progress: Callable[[int], None],
+) -> list[drives.DriveRow]:
+    """Map a folder's drive in every given way with made odometry, on so many processes. Raises DataError."""
+    with_made_odometry(read_folder(path), 0)  # a broken file is told before any process starts
+    done = itertools.count(1)
+    tasks = [drives.DriveTask(path, v, config.stack.mapper) for v in variations]
+    with workers(jobs, Store(None)) as hands:
+        return hands.run(tasks, lambda: progress(next(done)))
+
+
+def write_drive_bench(rows: Sequence[drives.DriveRow], out: Path) -> tuple[Path, ...]:
+    """Write drive.json and drive.csv."""
+    write_whole(out / "drive.json", drives.to_json(rows))
+    write_whole(out / "drive.csv", drives.to_csv(rows))
+    return out / "drive.json", out / "drive.csv"

@@ -63,12 +63,14 @@ class Alignment:
 
     rotation [rad]: heading of the current robot minus heading of the goal (rolling the current panorama by
     +rotation aligns it); residual: what difference remains, smaller is better, scale is the method's own;
-    home: the home vector where the method finds one as well.
+    home: the home vector where the method finds one as well; sharp: False where the best rotation lies at the edge of
+    what was searched, or others are as good: then it may be far off.
     """
 
     rotation: float
     residual: float
     home: HomeVector | None = None
+    sharp: bool = True
 
 
 class Verdict(StrEnum):

@@ -19,6 +19,19 @@ class TrueCalibration:
 
 
 @dataclass(frozen=True)
+class Trust:
+    """What a map makes of its evidence.
+
+    kept: which of several maps it is, and why, in words ("" where none was chosen); way_noise, turn_noise: what the
+    odometry's declared variances were taken times (None: nothing told).
+    """
+
+    kept: str = ""
+    way_noise: float | None = None
+    turn_noise: float | None = None
+
+
+@dataclass(frozen=True)
 class NodeData:
     """A node of the final map: pose (3,) in the map frame; image (H, W, 3) RGB with the nose in the centre column
     (as recorded), or None for a pose node or where images weren't kept."""
@@ -41,6 +54,8 @@ class RunData:
     threshold: for a new snapshot; decisions: every verdict in time order (a candidate may get several);
     first_closure: panoramas (as recorded) some steps before and at the first accepted closure, and of its match;
     stage_ms: milliseconds (N,) by stage of the step, NaN where none was logged;
+    trust: what the finished map makes of its evidence;
+    earlier: true poses (3,) of nodes that the run's map had before it, by stamp;
     milestones: the node ids of the planned route home; claimed: the robot said that it arrived; goal_node: where it was
     sent; fault: what ended the run before its time; log_state, log_note: whether all that was written of it was there
     to be read ("whole"), and what was not.
@@ -73,11 +88,13 @@ class RunData:
     milestones: tuple[int, ...] = ()
     replayed: bool = False
     graph_hash: str = ""
+    trust: Trust = field(default_factory=Trust)
     topology_hash: str = ""
     fault: str = ""
     log_state: str = "whole"
     log_note: str = ""
     steps_per_s: float | None = None
     stage_ms: Mapping[str, FloatArray] = field(default_factory=dict)
+    earlier: Mapping[int, FloatArray] = field(default_factory=dict)
     false_distance_m: float = 1.0
     gross_distance_m: float = 5.0

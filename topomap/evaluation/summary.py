@@ -60,6 +60,11 @@ def summarise(run: RunData) -> Summary:
             "path_ratio": _number(way.path_ratio),
             "collisions": way.collisions,
         },
+        "trust": {
+            "kept": run.trust.kept or None,
+            "way_noise": _number(run.trust.way_noise),
+            "turn_noise": _number(run.trust.turn_noise),
+        },
         "graph_hash": run.graph_hash,
         "topology_hash": run.topology_hash,
         "fault": run.fault or None,

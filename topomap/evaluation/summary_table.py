@@ -26,6 +26,8 @@ def table_rows(summary: Summary) -> list[tuple[str, str]]:
         ("distance scale", _scale(_part(summary, "distance_scale"), ".4f", "")),
         ("curvature", _scale(_part(summary, "curvature"), ".5f", " rad/m")),
         ("home", _home(home)),
+        ("declared sigma x", _odometer(_part(summary, "trust"))),
+        ("map kept", str(_part(summary, "trust")["kept"] or MISSING)),
         ("graph hash", str(summary["graph_hash"])[:16] or MISSING),
         *_troubles(summary),
     ]
@@ -72,6 +74,15 @@ def _scale(part: Part, form: str, unit: str) -> str:
     if part["found"] is None:
         return f"unobserved, true {true}{unit}" if part["sigma"] is not None else MISSING
     return f"{_text(part['found'], form)} ± {sigma}, true {true}{unit}"
+
+
+def _odometer(part: Part) -> str:
+    """Say what its declared errors are taken times: sigmas, which people think in, not variances."""
+    way, turn = (
+        f"{value**0.5:.2f}" if isinstance(value, int | float) else MISSING
+        for value in (part["way_noise"], part["turn_noise"])
+    )
+    return f"{way} (way), {turn} (turn)"
 
 
 def _home(part: Part) -> str:

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from pydantic import BaseModel, Field
 
 from topomap.core.arrays import BoolArray, FloatArray
 from topomap.core.records import CalibrationState, Candidate, Decision, Verdict
+from topomap.core.run_data import Trust
 from topomap.mapping.closures.ledger import Ledger
+from topomap.mapping.competition import BLIND, DEAD, Contest, compete
 from topomap.mapping.graph import TopoMap
 from topomap.mapping.odometry.calibration import calibration_state
 from topomap.mapping.odometry.increments import Calibration
+from topomap.mapping.odometry.noise import OdometerNoise
 from topomap.mapping.optimizer import (
     ClosureEdge,
     Closures,
@@ -29,8 +33,13 @@ from topomap.mapping.optimizer.problem import PRIOR_SIGMAS
 from topomap.mapping.sequential import SequentialConstraints
 from topomap.vision.contracts import Aligner
 
-# places seen again tell nothing of the distance scale and would shrink the world (DESIGN.md): unmeasured it is held
+# places seen again tell nothing of the distance scale and would bend it (DESIGN.md): it is held at what was measured
 HELD = 1e-4
+
+
+# [log rotation scale, rad/m, log distance scale] the distances that a loaded map's calibration was found with aren't
+# kept: it stays nearly as it was found
+KEPT_SIGMAS = (0.01, 0.002, 0.01)
 
 
 class OptimisationSettings(BaseModel, frozen=True, extra="forbid"):
@@ -56,6 +65,7 @@ class Optimisation:
     def __init__(self, settings: OptimisationSettings, aligner: Aligner, topo: TopoMap) -> None:
         self._s = settings
         self._map = topo
+        topo.judge(OdometerNoise())
         self.sequential = SequentialConstraints(aligner, topo)
         self._closures: list[tuple[ClosureEdge, Candidate]] = []
         self._covariance = np.diag(np.square(PRIOR_SIGMAS))
@@ -64,6 +74,18 @@ class Optimisation:
         self._heard = 0
         self.solves = 0
         self._surprise = 0.0
+        self.contest: Contest | None = None
+        self._known: Calibration | None = None  # of a loaded map
+
+    def resume(self) -> None:
+        """Take over a loaded map: its closures stand, and its calibration is what is known of the odometry."""
+        self._known = self._map.calibration
+        self._solved_nodes = self._whole_nodes = len(self._map.nodes)
+        for edge in self._map.closures:
+            query, match = self._map.nodes[edge.j].stamp_ns, self._map.nodes[edge.i].stamp_ns
+            candidate = Candidate(query, edge.i, match, edge.relative, edge.covariance, query=edge.j)
+            self._closures.append((edge, candidate))
+        self._heard = len(self._closures)
 
     def update(self, stamp_ns: int, ledger: Ledger) -> tuple[bool, list[Decision]]:
         """Solve what is due; return whether the map was moved and which verdicts changed."""
@@ -98,6 +120,30 @@ class Optimisation:
             self._closures = kept
         return changed
 
+    def finish(self, stamp_ns: int, ledger: Ledger) -> None:
+        """Solve the whole map a last time, and keep it unless a rival is better (`topomap.mapping.competition`)."""
+        self.solve(stamp_ns, ledger)
+        problem = replace(self._problem(), closures=Closures.of([edge for edge, _ in self._standing()]))
+        scanned = self.sequential.scanned
+        self.contest = compete(problem, self._map.dead_reckoning(), scanned, self._s.backend)
+        if self.contest.kept == BLIND:
+            self._map.weigh(scanned)
+            self.solve(stamp_ns, ledger)
+        if self.contest.kept == DEAD:
+            self._fall_back(stamp_ns, ledger)
+
+    def _fall_back(self, stamp_ns: int, ledger: Ledger) -> None:
+        """Take odometry as read for the map, and every closure back."""
+        for edge, candidate in self._standing():
+            self._map.remove(edge)
+            ledger.decide(stamp_ns, candidate, Verdict.WITHDRAWN, "dead reckoning predicts closures better")
+        self._map.move(self._map.dead_reckoning(), Calibration())
+        self._covariance = np.diag(np.square(PRIOR_SIGMAS))
+
+    def _standing(self) -> list[tuple[ClosureEdge, Candidate]]:
+        on_map = {(c.i, c.j) for c in self._map.closures}
+        return [(edge, candidate) for edge, candidate in self._closures if (edge.i, edge.j) in on_map]
+
     def solve(self, stamp_ns: int, ledger: Ledger) -> tuple[bool, list[Decision]]:
         """Solve the whole map now; return whether it was moved and which verdicts changed."""
         self._start()
@@ -126,6 +172,7 @@ class Optimisation:
     def _start(self) -> None:
         self._solved_nodes = self._whole_nodes = len(self._map.nodes)
         self._surprise, self._heard = 0.0, len(self._closures)
+        self.sequential.weigh()
         self._running = solving(self._problem(), self._s.backend, self._doubted() if self._large else None)
 
     def _doubted(self) -> BoolArray:
@@ -156,6 +203,7 @@ class Optimisation:
     def _solve_stretch(self, stamp_ns: int, ledger: Ledger) -> tuple[bool, list[Decision]]:
         self.solves += 1
         self._solved_nodes, self._surprise = len(self._map.nodes), 0.0
+        self.sequential.weigh()
         edges = [OdometryEdge(*e) for e in self._map.edges_from(max(0, len(self._map.chain) - 1 - self._s.stretch))]
         ends = {edge.j for edge in edges}
         new = [k for k, (edge, _) in enumerate(self._closures) if edge.j in ends]
@@ -179,26 +227,33 @@ class Optimisation:
         """The calibration with its sigmas; observed where the data narrowed the prior to half."""
         return calibration_state(self._map.calibration, self._covariance, PRIOR_SIGMAS)
 
+    @property
+    def trust(self) -> Trust:
+        """What the map makes of its evidence so far."""
+        noise = self._map.noise
+        return Trust("" if self.contest is None else self.contest.reason, noise.forward, noise.turn)
+
     def _problem(self) -> Problem:
         scale = self.sequential.distance_scale
-        sigma = scale.sigma / scale.value if scale.observed else HELD
+        prior, sigmas = Calibration(distance_scale=scale.value), (PRIOR_SIGMAS[0], PRIOR_SIGMAS[1], HELD)
+        if self._known is not None:
+            prior, sigmas = self._known, KEPT_SIGMAS
         return Problem(
             self._map.poses.copy(),
             OdometryEdges.of([OdometryEdge(*edge) for edge in self._map.odometry_edges()]),
             Closures.of([edge for edge, _ in self._closures]),
             tuple(self.sequential.turns),
             self._map.calibration,
-            Calibration(distance_scale=scale.value),
-            (PRIOR_SIGMAS[0], PRIOR_SIGMAS[1], sigma),
+            prior,
+            sigmas,
         )
 
     def _honest(self, covariance: FloatArray) -> FloatArray:
-        """Return the covariance (3, 3) of a solution; what was only held is as unknown as before."""
-        if self.sequential.distance_scale.observed:
-            return covariance
+        """Return the covariance (3, 3) of a solution; the distance scale was held and is as unknown as before."""
+        scale = self.sequential.distance_scale
         honest = covariance.copy()
         honest[2, :], honest[:, 2] = 0.0, 0.0
-        honest[2, 2] = PRIOR_SIGMAS[2] ** 2
+        honest[2, 2] = (scale.sigma / scale.value if scale.observed else PRIOR_SIGMAS[2]) ** 2
         return honest
 
     def _review(self, stamp_ns: int, ledger: Ledger, heard: Sequence[int], weights: FloatArray) -> list[Decision]:

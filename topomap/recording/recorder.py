@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from topomap.core.arrays import FloatArray, IntArray
 from topomap.core.geometry import Pose2
 from topomap.core.records import CalibrationState, Decision, MapChange, StepRecord, Travel, Verdict
 from topomap.core.robot import Reading, Truth, TruthSource
+from topomap.core.run_data import Trust
 from topomap.recording import encode
 
 
@@ -31,7 +32,8 @@ class FinalMap:
 
     stamps_ns (N,); poses (N, 3) the trajectory in the map frame; nodes (id, stamp [ns], pose, snapshot); edges
     (a, b, kind); claimed: the robot said it arrived, None when it wasn't sent anywhere; decisions: the verdicts that
-    the last solve, after the last step, changed; fault: what ended the run before its time.
+    the last solve, after the last step, changed; trust: what the map makes of its evidence;
+    fault: what ended the run before its time.
     """
 
     stamps_ns: IntArray
@@ -44,6 +46,7 @@ class FinalMap:
     claimed: bool | None = None
     goal_node: int | None = None
     decisions: tuple[Decision, ...] = ()
+    trust: Trust = field(default_factory=Trust)
     topology_hash: str = ""
     fault: str = ""
 
@@ -218,6 +221,9 @@ def _final(final: FinalMap) -> log.Final:
         graph_hash=final.graph_hash,
         claimed=final.claimed,
         goal_node=final.goal_node,
+        kept=final.trust.kept or None,
+        way_noise=final.trust.way_noise,
+        turn_noise=final.trust.turn_noise,
         topology_hash=final.topology_hash,
         fault=final.fault or None,
     )

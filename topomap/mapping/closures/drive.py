@@ -53,7 +53,7 @@ class Drive:
 
     def solve(self, state: MapState, closures: Claims, settings: OptimizerSettings) -> tuple[MapState, BoolArray]:
         """Return the map with closures, from a map as it was, and which of them (n,) are in. Raises TopomapError."""
-        if self._held:
+        if self.held:
             ended = self.solver.solve(state.poses, closures.closures(), settings)
             return replace(state, poses=ended.poses), ended.inlier
         problem = Problem(
@@ -71,7 +71,8 @@ class Drive:
         return found, solution.closure_weights > 0
 
     @property
-    def _held(self) -> bool:
+    def held(self) -> bool:
+        """Whether the odometry has no systematic error to find."""
         return max(self.sigmas) <= max(HELD) and not self.turns and not self.axes
 
     @cached_property

@@ -24,6 +24,8 @@ FLOOR = 0.002
 """Error that more moves don't take away: scales by ranges came out 0.2 to 0.6 % off ..."""
 SEEN_FLOOR = 0.015
 """... and by the ground line more, whose rows are read to half a pixel: by the share of moves that were seen."""
+YOUNG = 3.0
+"""A scatter of few moves is widened: its variance by 1 + 3/sqrt(n)."""
 PRIOR_SIGMA = 0.1
 """Sigma of the scale before anything is seen: covers the conditions' odometers, 5 and 10 % off."""
 
@@ -33,14 +35,27 @@ class DistanceScale:
 
     def __init__(self) -> None:
         self._moves: list[tuple[float, float, bool]] = []
+        self._checks: list[tuple[float, float, float, float]] = []
 
-    def add(self, read: float, measured: float, sigma: float, seen: bool = False) -> None:
-        """Take a move: way as the odometer read it, as it was measured, and the error of their difference [m].
+    def add(self, read: float, measured: float, sigma: float, seen: bool = False, odometer: float = 0.0) -> None:
+        """Take a move: way as the odometer read it, as it was measured, the errors of this and of the odometer [m].
 
         seen: measured by the ground line, whose bias doesn't average out over many moves.
         """
         if measured > 0 and abs(read / measured - 1.0) <= MAX_CHANGE:
-            self._moves.append((read / measured, sigma / measured, seen))
+            self._moves.append((read / measured, math.hypot(sigma, odometer) / measured, seen))
+            if not seen:
+                self._checks.append((read, measured, sigma, odometer))
+
+    def odometer(self) -> tuple[float, float] | None:
+        """Return the variance of the odometer's way over the declared one, least and most, where ranges tell it."""
+        if len(self._checks) < MIN_MOVES or not self._checks[0][3]:
+            return None
+        read, measured, sigma, declared = np.array(self._checks).T
+        off = np.abs(read - float(np.median(read / measured)) * measured) / declared
+        scatter = (MAD_TO_SIGMA * float(np.median(off))) ** 2
+        least = max(scatter - float(np.median((sigma / declared) ** 2)), 0.0)
+        return least, scatter * (1.0 + YOUNG / math.sqrt(len(off)))
 
     def estimate(self) -> Estimate:
         """Return the distance scale with its sigma; 1 with the prior's sigma as long as it isn't observed."""

@@ -48,6 +48,12 @@ class BlockPattern:
         _solve(self.first, self.rows, factor, found)
         return np.asarray(found[self.place])
 
+    def inverse(self, factor: FloatArray) -> FloatArray:
+        """Return those blocks (B, 3, 3) of the matrix's inverse that the factor has."""
+        found = np.zeros_like(factor)
+        _inverse(self.first, self.rows, factor, found)
+        return found
+
     def log_determinant(self, factor: FloatArray) -> float:
         """Return the log of the matrix's determinant."""
         own = factor[self.first[:-1]]
@@ -179,3 +185,55 @@ def _solve(first: IntArray, rows: IntArray, factor: FloatArray, x: FloatArray) -
             for c in range(r + 1, 3):
                 x[k, r] -= own[c, r] * x[k, c]
             x[k, r] /= own[r, r]
+
+
+@njit(cache=True)
+def _inverse(first: IntArray, rows: IntArray, factor: FloatArray, z: FloatArray) -> None:
+    """Fill the inverse's blocks from the last column to the first (Takahashi et al. 1973)."""
+    n = len(first) - 1
+    longest = 0
+    for k in range(n):
+        longest = max(longest, first[k + 1] - first[k])
+    work, root = np.zeros((longest, 3, 3)), np.zeros((3, 3))
+    for k in range(n - 1, -1, -1):
+        begin, end = first[k], first[k + 1]
+        work[: end - begin] = 0.0
+        for p in range(begin + 1, end):
+            q = first[rows[p]]
+            for s in range(p, end):
+                while rows[q] != rows[s]:
+                    q += 1
+                _add_product(work[s - begin], z[q], factor[p], False)
+                if s > p:
+                    _add_product(work[p - begin], z[q], factor[s], True)
+        _inverted(factor[begin], root)
+        own = z[begin]
+        own[:] = root
+        for p in range(begin + 1, end):
+            _add_product(z[p], -work[p - begin], root, False)
+            _add_product(own, -factor[p], z[p], True)
+        work[0] = 0.0
+        _add_product(work[0], root, own, True)
+        own[:] = work[0]
+
+
+@njit(cache=True)
+def _add_product(out: FloatArray, a: FloatArray, b: FloatArray, turned: bool) -> None:
+    """Add a b, or a^T b, to out."""
+    for r in range(3):
+        for c in range(3):
+            for k in range(3):
+                out[r, c] += (a[k, r] if turned else a[r, k]) * b[k, c]
+
+
+@njit(cache=True)
+def _inverted(root: FloatArray, out: FloatArray) -> None:
+    """Write the inverse of a lower triangular block."""
+    out[:] = 0.0
+    for c in range(3):
+        out[c, c] = 1.0 / root[c, c]
+        for r in range(c + 1, 3):
+            total = 0.0
+            for k in range(c, r):
+                total += root[r, k] * out[k, c]
+            out[r, c] = -total / root[r, r]

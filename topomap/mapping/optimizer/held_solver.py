@@ -61,10 +61,28 @@ class HeldSolver:
             found = poses
         return Ended(found, graph.chi2(found) <= settings.cutoff**2)
 
+    def fill(self, closures: Closures) -> int:
+        """Return how many blocks the factor of a solve with closures has: its time grows faster than they do."""
+        return len(self._graph(closures, len(self.odometry.i) + 1).pattern.rows)
+
+    def error(self, poses: FloatArray, closures: Closures) -> float:
+        """Return the squared error of odometry and closures at poses (N, 3)."""
+        return float(self.odometry.chi2(poses).sum() + Links.of(closures).chi2(poses).sum())
+
     def log_volume(self, poses: FloatArray, closures: Closures) -> float:
         """Return the log determinant of what odometry and closures know of poses (N, 3), the first one held."""
         graph = self._graph(closures, len(poses))
         return graph.pattern.log_determinant(graph.factor(poses, np.ones(len(closures)))[0])
+
+    def known(self, poses: FloatArray, closures: Closures) -> tuple[FloatArray, FloatArray]:
+        """Return what closures miss by (M, 3) in a map solved with them, and how well it knows that (M, 3, 3).
+
+        Both are in the frame of the closure's start, for one without a heading in the map's axes.
+        """
+        graph, links = self._graph(closures, len(poses)), Links.of(closures)
+        inverse = graph.pattern.inverse(graph.factor(poses, np.ones(len(closures)))[0])
+        at = graph.pattern.at[len(self.odometry.i) :]
+        return links.seen(poses), links.known(graph.pattern, at, poses, inverse)
 
     def _graph(self, closures: Closures, nodes: int) -> _Graph:
         """Return the network; its pattern is the last one's where the same places are joined."""

@@ -43,6 +43,14 @@ class Links(NamedTuple):
         """Return what each misses by (E,), squared and in sigmas, in a map of poses (N, 3)."""
         return np.asarray(_chi2(*self, poses))
 
+    def seen(self, poses: FloatArray) -> FloatArray:
+        """Return what each misses by (E, 3), in the frame of its start; for blind ones in the map's axes."""
+        return np.asarray(_all_missed(*self, poses))
+
+    def known(self, pattern: BlockPattern, at: IntArray, poses: FloatArray, inverse: FloatArray) -> FloatArray:
+        """Return (E, 3, 3) how well a map knows what they measure; at (E,): where their blocks stand in the inverse."""
+        return np.asarray(_known(*self, poses, pattern.place, pattern.first, at, inverse))
+
     def normal_equations(
         self, pattern: BlockPattern, poses: FloatArray, weights: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
@@ -90,6 +98,32 @@ def _chi2(
         for r in range(3):
             for c in range(3):
                 result[n] += missed[r] * information[n, r, c] * missed[c]
+    return result
+
+
+@njit(cache=True)
+def _all_missed(
+    i: IntArray, j: IntArray, relative: FloatArray, information: FloatArray, blind: BoolArray, poses: FloatArray
+) -> FloatArray:
+    result, by_i, by_j = np.zeros((len(i), 3)), np.empty((3, 3)), np.empty((3, 3))
+    for n in range(len(i)):
+        _missed(poses[i[n]], poses[j[n]], relative[n], blind[n], result[n], by_i, by_j)
+    return result
+
+
+@njit(cache=True)
+def _known(
+    i: IntArray, j: IntArray, relative: FloatArray, information: FloatArray, blind: BoolArray, poses: FloatArray,
+    place: IntArray, first: IntArray, at: IntArray, inverse: FloatArray,
+) -> FloatArray:  # fmt: skip
+    result = np.zeros((len(i), 3, 3))
+    missed, by_i, by_j = np.empty(3), np.empty((3, 3)), np.empty((3, 3))
+    for n in range(len(i)):
+        _missed(poses[i[n]], poses[j[n]], relative[n], blind[n], missed, by_i, by_j)
+        across = inverse[at[n]] if place[i[n]] > place[j[n]] else inverse[at[n]].T
+        both = by_i @ np.ascontiguousarray(across) @ by_j.T
+        own = by_i @ inverse[first[place[i[n]]]] @ by_i.T + by_j @ inverse[first[place[j[n]]]] @ by_j.T
+        result[n] = own + both + both.T
     return result
 
 

@@ -14,12 +14,13 @@ from topomap.mapping.uncertainty.odometry_chain import Chain
 class IncrementalChain:
     """Follows a map that grows at its end and is moved now and then, with the turns measured between its snapshots.
 
-    turns: grows, too; each ends at a snapshot and begins at the one before it.
+    turns: grows, too, and may be weighed anew; each ends at a snapshot and begins at the one before it.
     """
 
     def __init__(self, topo: TopoMap, turns: list[TurnEdge]) -> None:
         self._map = topo
         self._turns = turns
+        self._state = (topo.noise, topo.weighings)
         self._variances: dict[int, float] = {}  # of the turn that ends at a node [rad^2]
         self._heard = 0
         self._nodes: IntArray = np.zeros(0, np.int64)
@@ -28,6 +29,10 @@ class IncrementalChain:
 
     def current(self, covariance: FloatArray) -> Chain:
         """Return the chain as the map stands; covariance (3, 3): of the calibration."""
+        if self._state != (self._map.noise, self._map.weighings):
+            self._state = (self._map.noise, self._map.weighings)
+            self._variances.clear()
+            self._heard, self._chain = 0, None
         self._variances.update((turn.j, turn.sigma**2) for turn in self._turns[self._heard :])
         self._heard = len(self._turns)
         nodes = np.array(self._map.chain, np.int64)

@@ -120,7 +120,8 @@ class DynamicWarping:
         """Return the extra rotations [rad] that are tried, the smallest first, which wins a tie."""
         if self.swing <= 0.0:
             return [0.0]
-        return sorted(np.linspace(-self.swing, self.swing, self.rotations).tolist(), key=abs)
+        turns = np.linspace(-self.swing, self.swing, self.rotations).tolist()
+        return sorted(turns, key=lambda turn: (round(abs(turn), 9), turn))
 
     def _turned(self, current: RingPair, goal: RingPair, turn: float) -> Match:
         """Match with the current view rolled by `turn` [rad], and turn the bearing back."""

@@ -39,14 +39,17 @@ def ground_line(panorama: Panorama) -> GroundLine:
 
 
 def ground_ranges(panorama: Panorama) -> Float32Array:
-    """Return the distance (W,) [m] to where the floor ends, NaN where that isn't seen or too near the horizon."""
+    """Return the distance (W,) [m] to where the floor ends, NaN where that isn't seen or too near the horizon.
+
+    All NaN where the rig doesn't tell the camera's height.
+    """
     return panorama.derived("ground ranges", _ground_ranges)
 
 
 def _ground_ranges(panorama: Panorama) -> Float32Array:
     line, rig = ground_line(panorama), panorama.rig
     below = line.rows - rig.horizon_row
-    good = line.seen & (below >= LEAST)
+    good = line.seen & (below >= LEAST) & (rig.camera_height > 0.0)
     return np.where(good, rig.camera_height * rig.focal / np.maximum(below, LEAST), np.nan).astype(np.float32)
 
 

@@ -110,14 +110,15 @@ def best(found: WarpingCost) -> Alignment:
     """
     n = found.cost.shape[0]
     alpha, turn = np.unravel_index(int(found.cost.argmin()), found.cost.shape)
-    d_alpha, d_turn = _refined(found, int(alpha), int(turn))
+    refined = _refined(found, int(alpha), int(turn))
+    d_alpha, d_turn = refined or (0.0, 0.0)
     least, mean = float(found.cost[alpha, turn]), float(found.cost[:, turn].mean())
     rotation = wrap((found.first + int(turn) + d_turn) * TAU / n)
     direction = (int(alpha) + d_alpha) * TAU / n + found.first_bearing
     contrast = 1.0 - least / mean if min(mean, found.level) > 1e-9 else 0.0
     confidence = min(max((contrast - NOISE) / (CLEAR - NOISE), 0.0), 1.0)
     home = HomeVector(wrap(direction + math.pi - rotation), None, confidence)
-    return Alignment(rotation, least / found.level if found.level > 1e-9 else 1.0, home)
+    return Alignment(rotation, least / found.level if found.level > 1e-9 else 1.0, home, refined is not None)
 
 
 _GRID = np.array([(a, t) for a in (-1.0, 0.0, 1.0) for t in (-1.0, 0.0, 1.0)])
@@ -125,15 +126,18 @@ _DESIGN = np.column_stack([np.ones(9), _GRID, _GRID**2, _GRID[:, 0] * _GRID[:, 1
 _SOLVE: FloatArray = np.linalg.pinv(_DESIGN)
 
 
-def _refined(found: WarpingCost, alpha: int, turn: int) -> tuple[float, float]:
-    """Return the offset [columns] of the minimum of the quadratic through the 3 x 3 neighbourhood."""
+def _refined(found: WarpingCost, alpha: int, turn: int) -> tuple[float, float] | None:
+    """Return the offset [columns] of the minimum of the quadratic through the 3 x 3 neighbourhood.
+
+    None where the minimum lies at the edge of what was searched, or the neighbourhood is no bowl.
+    """
     n, width = found.cost.shape
     if not found.whole and turn in (0, width - 1):
-        return 0.0, 0.0
+        return None
     rows, columns = np.arange(alpha - 1, alpha + 2) % n, np.arange(turn - 1, turn + 2) % width
     fit: FloatArray = _SOLVE @ found.cost[np.ix_(rows, columns)].astype(np.float64).ravel()
     bend = np.array([[2 * fit[3], fit[5]], [fit[5], 2 * fit[4]]])
     if bend[0, 0] <= 1e-12 or np.linalg.det(bend) <= 1e-12:
-        return 0.0, 0.0
+        return None
     offset = np.clip(-np.linalg.solve(bend, fit[1:3]), -1.0, 1.0)
     return float(offset[0]), float(offset[1])

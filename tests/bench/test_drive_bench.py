@@ -1,0 +1,37 @@
+"""bench drive: every combination is mapped, its odometry made anew, and judged by the drive's own truth."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from pathlib import Path
+
+import pytest
+from drive_folders import write_drive
+
+from topomap.bench.recordings.drives import DriveTask, DriveVariation, to_csv, to_json, variations
+from topomap.mapping.mapper import MapperSettings
+
+
+def test_every_combination_is_a_variation() -> None:
+    made = variations([1.0, 10.0], [1, 2], 3, [1.0])
+    assert len(set(made)) == 12
+    assert DriveVariation(10.0, 2, 2, 1.0) in made
+
+
+def test_a_drive_is_mapped_and_judged(tmp_path: Path) -> None:
+    folder = write_drive(tmp_path / "drive", 130)
+    rows = [DriveTask(folder, DriveVariation(draw=draw), MapperSettings()).perform() for draw in (0, 1)]
+    for row in rows:
+        assert row.false == 0
+        assert row.recall == pytest.approx(1.0)
+        assert row.map_m is not None
+        assert row.dead_reckoning_m is not None
+        assert row.map_m < 0.5 * row.dead_reckoning_m
+        assert row.kept.startswith("all evidence")
+    assert rows[0].true_rotation_scale != rows[1].true_rotation_scale
+    again = DriveTask(folder, DriveVariation(draw=0), MapperSettings()).perform()
+    assert again.map_m == rows[0].map_m
+    assert json.loads(to_json(rows))[1]["draw"] == 1
+    assert [line["draw"] for line in csv.DictReader(io.StringIO(to_csv(rows)))] == ["0", "1"]

@@ -1,0 +1,119 @@
+"""A recorded drive of panoramas mapped with odometry made from its positions: draws, scales, fewer frames, claims."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import time
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+
+from topomap.bench.recordings.drive_map import map_readings
+from topomap.bench.recordings.made_odometry import DEFAULT, scaled, thinned, with_made_odometry
+from topomap.core.records import Estimate
+from topomap.core.run_data import RunData
+from topomap.datasets.drive_folder import read_folder
+from topomap.evaluation.closures import count
+from topomap.evaluation.rows import rows_csv
+from topomap.evaluation.trajectory import ate
+from topomap.mapping.mapper import MapperSettings
+
+
+@dataclass(frozen=True, slots=True)
+class DriveVariation:
+    """One way to drive: the world so many times larger, every so many-th frame, the seed of the odometry's errors, and
+    what the odometer declares as a multiple of its true variances.
+    """
+
+    scale: float = 1.0
+    every: int = 1
+    draw: int = 0
+    declared: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class DriveRow:
+    """What came of a variation: ATE SE(2) [m]; closures accepted, false, possible and recalled; the distance and the
+    rotation scale found with sigmas and true (None: unobserved); which map was kept.
+    """
+
+    scale: float
+    every: int
+    draw: int
+    declared: float
+    dead_reckoning_m: float | None
+    map_m: float | None
+    online_m: float | None
+    accepted: int
+    false: int | None
+    possible: int | None
+    recall: float | None
+    distance_scale: float | None
+    distance_sigma: float
+    true_distance_scale: float | None
+    rotation_scale: float | None
+    rotation_sigma: float
+    true_rotation_scale: float | None
+    kept: str
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class DriveTask:
+    """Map a drive one way: a pool Task."""
+
+    folder: Path
+    variation: DriveVariation
+    settings: MapperSettings
+
+    @property
+    def key(self) -> str:
+        """All that decides the result but the drive itself."""
+        return repr((str(self.folder), self.variation, self.settings))
+
+    def perform(self) -> DriveRow:
+        """Make the odometry, map and judge."""
+        v = self.variation
+        drive = thinned(scaled(read_folder(self.folder), v.scale), v.every)
+        drive, known = with_made_odometry(drive, v.draw, replace(DEFAULT, declared=v.declared))
+        begin = time.perf_counter()
+        run = map_readings(drive, self.settings, known)
+        return drive_row(v, run, time.perf_counter() - begin)
+
+
+def drive_row(v: DriveVariation, run: RunData, seconds: float) -> DriveRow:
+    """Return what the truth says of a mapped drive."""
+    found, truth, calibration = count(run), run.truth, run.calibration
+    assert truth is not None
+    assert calibration is not None
+    distance, rotation = calibration.distance_scale, calibration.rotation_scale
+    return DriveRow(
+        v.scale, v.every, v.draw, v.declared,
+        ate(run.dead_reckoning, truth), ate(run.final, truth), ate(run.online, truth),
+        found.accepted, found.false, found.possible, found.recall,
+        _seen(distance), distance.sigma, run.true_calibration.distance_scale,
+        _seen(rotation), rotation.sigma, run.true_calibration.rotation_scale,
+        run.trust.kept, seconds,
+    )  # fmt: skip
+
+
+def variations(
+    scales: Sequence[float], every: Sequence[int], draws: int, declared: Sequence[float]
+) -> list[DriveVariation]:
+    """Return every combination, draw by draw."""
+    return [DriveVariation(*chosen) for chosen in itertools.product(scales, every, range(draws), declared)]
+
+
+def to_json(rows: Sequence[DriveRow]) -> str:
+    """Return the rows as JSON."""
+    return json.dumps([asdict(row) for row in rows], indent=1, allow_nan=False) + "\n"
+
+
+def to_csv(rows: Sequence[DriveRow]) -> str:
+    """Return the rows as CSV with a header."""
+    return rows_csv(rows, DriveRow)
+
+
+def _seen(estimate: Estimate) -> float | None:
+    return estimate.value if estimate.observed else None

@@ -1,0 +1,89 @@
+"""How much likelier all that is claimed is if some closures are true than if none is: what chooses among solutions."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from topomap.core.arrays import FloatArray
+from topomap.mapping.closures.claims import Claims
+from topomap.mapping.closures.drive import Drive, MapState
+from topomap.mapping.closures.odds import log_chance, log_crowding, log_density
+from topomap.mapping.closures.placing import UNKNOWN
+from topomap.mapping.optimizer import OptimizerSettings
+
+# every closure pulls: whether it fits is what is asked
+ALL_IN = OptimizerSettings(cutoff=100.0, cutoffs=(), iterations=10, tolerance=1e-3)
+
+ALONE = 1e-6  # a closure that alone knows something is known as well by the map: the difference is no less than this
+
+
+def log_evidence(drive: Drive, state: MapState, closures: Claims, log_prior: FloatArray) -> float:
+    """Return the log odds that n closures, one a cluster, are true and not all of them false, given what they claim.
+
+    log_prior (n,): log odds of each before its claim is compared with the map; state: about what they make of the map.
+    The claims' joint density, with the poses integrated out (Laplace), is that of the residuals at the optimum times
+    the root of odometry's information over the information of both; false ones are even over the drive's area.
+    """
+    if not len(closures):
+        return 0.0
+    solver, edges = drive.solver, closures.closures()
+    found = solver.solve(state.poses, edges, ALL_IN)
+    chi2 = solver.error(found.poses, edges)
+    gained = solver.log_volume(found.poses, edges) - solver.log_volume(drive.poses, closures[:0].closures())
+    blind = closures.blind
+    own = np.where(blind, _flat(closures.covariance), np.linalg.slogdet(closures.covariance)[1])
+    dimensions = np.where(blind, 2, 3)
+    joint = -0.5 * (chi2 + gained + float(own.sum() + (dimensions * math.log(2 * math.pi)).sum()))
+    joint += _bridged(drive, closures)
+    return joint - float(log_chance(drive.poses, blind).sum()) + float(log_prior.sum())
+
+
+def _bridged(drive: Drive, closures: Claims) -> float:
+    """Return what gaps in the odometry took from the density of closures that bridge them.
+
+    Across a gap a true claim is as likely as one of any two places, not less: how wide a gap is stated is no evidence.
+    """
+    information = drive.solver.odometry.information
+    gaps = information[:, 2, 2] * UNKNOWN <= 1.0
+    if not gaps.any():
+        return 0.0
+    part = np.concatenate([np.zeros(1, np.int64), np.cumsum(gaps)])
+    parts = int(part[-1]) + 1
+    net = coo_array((np.ones(len(closures)), (part[closures.i], part[closures.j])), (parts, parts))
+    joined = parts - int(connected_components(net, directed=False)[0])
+    even = float(log_chance(drive.poses, np.zeros(1, np.bool_))[0])
+    said = 0.5 * np.linalg.slogdet(information[gaps])[1] - 1.5 * math.log(2 * math.pi)
+    return joined * max(0.0, even - float(said.mean()))
+
+
+def log_odds_beside_others(drive: Drive, state: MapState, closures: Claims, log_prior: FloatArray) -> FloatArray:
+    """Return (n,) log odds of each of n closures, one a cluster, by odometry and the other ones.
+
+    log_prior (n,) and state: as above. What a closure would miss by without itself follows from what it misses by, m,
+    its own covariance C and what the map with it knows, P: S C^-1 m with the covariance S = C (C - P)^-1 C.
+    """
+    solver, edges, blind = drive.solver, closures.closures(), closures.blind
+    poses = solver.solve(state.poses, edges, ALL_IN).poses
+    missed, known = solver.known(poses, edges)
+    own, known = closures.covariance.copy(), known.copy()
+    even = (own[blind, 0, 0] + own[blind, 1, 1]) / 2
+    own[blind], known[blind, 2, :], known[blind, :, 2] = np.eye(3) * even[:, None, None], 0.0, 0.0
+    spread = own @ np.linalg.inv(own * (1 + ALONE) - known) @ own
+    pull = np.linalg.solve(own, missed[:, :, None])
+    pull[blind, 2] = 0.0
+    chi2 = (pull.transpose(0, 2, 1) @ spread @ pull)[:, 0, 0]
+    determinant = np.where(blind, np.linalg.det(spread[:, :2, :2]), np.linalg.det(spread))
+    even, peak = log_chance(poses, blind), log_density(np.zeros(len(closures)), determinant, blind)
+    density = log_density(chi2, determinant, blind) - peak + np.maximum(peak, even) - even
+    crowding = log_crowding(replace(closures, covariance=spread), poses, np.zeros_like(spread))
+    return np.asarray(log_prior + density - crowding)
+
+
+def _flat(covariance: FloatArray) -> FloatArray:
+    """Return log determinants of the positions' covariances (n,), the same both ways as the solver takes them."""
+    return np.asarray(2 * np.log((covariance[:, 0, 0] + covariance[:, 1, 1]) / 2))

@@ -1,0 +1,278 @@
+"""What turns between neighbouring snapshots are worth, as the drive's own data tells.
+
+A turn is measured by up to three instruments: the odometer, the aligner (min-warping by default) and the epipolar
+compass. None of their errors is known beforehand: a camera in a hall, one in a bare corridor and one in grass differ
+tenfold. But three instruments that err independently tell one another's errors (the "three-cornered hat": the
+variance of f - o is that of f plus that of o, and so on for each pair). A method whose turns the odometer's can't be a
+multiple of is dismissed, one that can't be checked is believed less.
+
+A compass also errs by a share of the turn, the same at every corner of a building alike, and by a little the same way
+along every straight. Such errors don't average out: all turns together tell no more of the rotation scale and of the
+curvature than they leave.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from topomap.core.arrays import BoolArray, FloatArray
+from topomap.mapping.odometry.calibration import MAD_TO_SIGMA
+from topomap.mapping.odometry.noise import WIDE_TURN
+from topomap.mapping.optimizer.problem import PRIOR_SIGMAS, TurnEdge
+
+FEWEST = 12
+"""Turns before their own scatter is believed: of twelve, a MAD errs by a third ..."""
+YOUNG = 3.0
+"""... and is widened for it: variances by 1 + 3/sqrt(n)."""
+FINEST = math.radians(0.1)
+"""[rad] Least error of a turn seen: a fifth of a column of 720. The epipolar compass erred by 0.03 to 0.07 in three
+worlds, the aligner by 0.07 to 0.24."""
+UNCHECKED = math.radians(1.5)
+"""[rad] Error of a turn seen while nothing tells it: 0.3 to 1.7 degrees over photographs, grass and rooms."""
+SHARE, SHARE_UNCHECKED = 0.015, 0.1
+"""Common error of all turns seen, as a share of the turn, where two methods agree and where there is one alone: the
+aligner under-turned by 14 % at a corridor's bare corners and by 1 to 2 % elsewhere, the epipolar compass by 0 to 2 %.
+"""
+BEND, BEND_UNCHECKED = 0.0005, 0.002
+"""[rad/m] Common error of all turns seen, per way: along an office's straight corridors the aligner read 0.1 degrees
+a metre too little, the epipolar compass 0.03. Believed as independent, 600 such turns shift rotation scale by 3 %."""
+WORST_ODOMETER = math.radians(1.5)
+"""[rad per square-root m] What an odometer may err by: three times the simulator's. Two methods that see the same two
+views far apart go wrong together (photographs 1 m apart: by 6 to 10 degrees, and by 2 from one another), and the
+odometer would be blamed for it."""
+COMMON = 0.1
+"""Least share of what two methods differ by that is each one's: in grass they shared a tenth of it."""
+AMBIGUOUS = 0.3
+"""Share of its greatest variance below which an odometer's least one says nothing of it."""
+DISMISSED = 3.0
+"""Sigmas of rotation scale and fit beyond which a method's turns and the odometer's don't belong together."""
+DISAGREE = 3.0
+"""Sigmas beyond which two methods contradict one another: then the turn is as unsure as they are apart, else by the
+better one's part of that at least."""
+EXPECTED = (0.15, 0.03)
+"""How far gain and bend [rad/m] may lie from what is expected: three times the odometers'. Where a robot always turns
+the same way at the same rate, the two can't be told apart otherwise."""
+FIT_STEPS = 15
+"""Re-weightings of a fit (Cauchy's weights, squared): by then the scatter changes in its third digit."""
+
+
+@dataclass(frozen=True, slots=True)
+class MeasuredTurn:
+    """The turn from node i to node j as each instrument has it [rad], NaN where it has none.
+
+    read, forward: the odometer's raw turn and way [m]; variance: of the former as declared [rad^2]; rolled: how far the
+    wheels went, turning included [m]; scanned: by ranges, with scan_sigma; aligned: by the aligner; matched: by the
+    epipolar compass.
+    """
+
+    i: int
+    j: int
+    read: float
+    forward: float
+    variance: float
+    rolled: float
+    scanned: float = math.nan
+    scan_sigma: float = math.nan
+    aligned: float = math.nan
+    matched: float = math.nan
+
+
+class Columns(NamedTuple):
+    """The fields of many measured turns, (n,) each."""
+
+    read: FloatArray
+    forward: FloatArray
+    variance: FloatArray
+    rolled: FloatArray
+    scanned: FloatArray
+    scan_sigma: FloatArray
+    aligned: FloatArray
+    matched: FloatArray
+
+    @staticmethod
+    def of(turns: Sequence[MeasuredTurn]) -> Columns:
+        """Return the turns' fields."""
+        rows = [[getattr(turn, name) for name in Columns._fields] for turn in turns]
+        return Columns(*np.array(rows, float).reshape(-1, len(Columns._fields)).T)
+
+
+class Line(NamedTuple):
+    """turn = gain * read + bend * forward: gain and bend [rad/m] with sigmas, scatter [rad], number of turns.
+
+    off (n,): what each turn lies beside the line [rad], NaN where there is none.
+    """
+
+    gain: float
+    gain_sigma: float
+    bend: float
+    bend_sigma: float
+    scatter: float
+    number: int
+    off: FloatArray
+
+    @property
+    def known(self) -> bool:
+        """Whether there were enough turns to tell anything."""
+        return self.number >= FEWEST
+
+    @property
+    def variance(self) -> float:
+        """The scatter's variance [rad^2], widened as few turns tell it."""
+        return self.scatter**2 * (1.0 + YOUNG / math.sqrt(max(self.number, 1)))
+
+    @property
+    def possible(self) -> bool:
+        """Whether an odometer's rotation scale explains the gain."""
+        return not self.known or abs(self.gain - 1.0) <= DISMISSED * math.hypot(PRIOR_SIGMAS[0], self.gain_sigma)
+
+
+class Weighed(NamedTuple):
+    """Turns with sigmas, and the variance of the odometer's turn over the declared one: least and most it can be."""
+
+    edges: tuple[TurnEdge, ...]
+    odometer: tuple[float, float] | None
+
+
+class TurnEvidence:
+    """Collects measured turns and weighs all of them anew when asked."""
+
+    def __init__(self) -> None:
+        self._turns: list[MeasuredTurn] = []
+
+    def add(self, turn: MeasuredTurn) -> None:
+        """Take one more; the newest last."""
+        self._turns.append(turn)
+
+    def __len__(self) -> int:
+        return len(self._turns)
+
+    def weigh(self) -> Weighed:
+        """Return what each turn is worth by all that was measured so far."""
+        c = Columns.of(self._turns)
+        seen = _seen(c)
+        by_scan = np.isfinite(c.scanned)
+        value, sigma = np.where(by_scan, c.scanned, seen.turns), np.where(by_scan, c.scan_sigma, seen.sigmas)
+        edges = tuple(
+            TurnEdge(turn.i, turn.j, float(v), float(s))
+            for turn, v, s in zip(self._turns, value, sigma, strict=True)
+            if math.isfinite(v)
+        )
+        return Weighed(edges, _told(c, line(c.scanned, c, 1.0), 0.0) or seen.odometer)
+
+
+class Seen(NamedTuple):
+    """Turns by sight (n,) with sigmas (n,) [rad]; odometer: as in `Weighed`."""
+
+    turns: FloatArray
+    sigmas: FloatArray
+    odometer: tuple[float, float] | None
+
+
+def _seen(c: Columns) -> Seen:
+    """Return the turns seen, each by the better of both methods."""
+    both_ways = [c.aligned, c.matched]
+    lines = [line(turns, c, 1.0) for turns in both_ways]
+    methods = [np.where(one.possible, turns, np.nan) for one, turns in zip(lines, both_ways, strict=True)]
+    apart = methods[0] - methods[1]
+    between = line(apart, c, 0.0)
+    checked = between.known and lines[0].known and lines[1].known
+    ranges = _hat(lines, between, c) if checked else [_alone(one) for one in lines]
+    declared = float(np.median(c.variance)) if len(c.variance) else 0.0
+    # what the odometer declares is taken for true as far as it can be, so that both are believed little where the
+    # data doesn't say which of them errs
+    variances = [min(max(one.scatter**2 - declared, low), high) for one, (low, high) in zip(lines, ranges, strict=True)]
+    best = int(variances[1] < variances[0])
+    first = np.isfinite(methods[best])
+    turns = np.where(first, methods[best], methods[1 - best])
+    own = np.sqrt(np.where(first, variances[best], variances[1 - best]))
+    part = math.sqrt(variances[best] / sum(variances))
+    doubt = np.where(np.abs(apart) > DISAGREE * max(between.scatter, FINEST), 1.0, part) * np.nan_to_num(np.abs(apart))
+    own = np.maximum(own, doubt) if checked else own
+    share, bend = SHARE_UNCHECKED, BEND_UNCHECKED
+    if checked:
+        share = math.hypot(SHARE, part * _beyond(between.gain, between.gain_sigma))
+        bend = math.hypot(BEND, part * _beyond(between.bend, between.bend_sigma))
+    shared = np.hypot(share * np.abs(turns) * _alike(turns), bend * np.abs(c.forward) * _alike(c.forward))
+    odometer = _told(c, lines[best], ranges[best][1]) if lines[best].possible else None
+    return Seen(turns, np.hypot(own, shared), odometer)
+
+
+def _beyond(value: float, sigma: float) -> float:
+    """Return how much of a value stands out of its own error (two sigmas)."""
+    return math.sqrt(max(value**2 - (2.0 * sigma) ** 2, 0.0))
+
+
+def _alike(sizes: FloatArray) -> float:
+    """Return the root of how many turns share an error that grows with their size (turn or way).
+
+    So much wider, all of them together tell what one does.
+    """
+    squares = np.nan_to_num(sizes) ** 2
+    return math.sqrt(max(float(squares.sum() ** 2 / max(float((squares**2).sum()), 1e-18)), 1.0))
+
+
+def _hat(lines: Sequence[Line], between: Line, c: Columns) -> list[tuple[float, float]]:
+    """Return both methods' variances [rad^2], least and most, from those of all differences.
+
+    Half of what they differ by is each one's, but for what they differ from the odometer unlike by; that counts as far
+    as it stands out of the scatter of so many turns. As much again they may err together, and whatever an odometer
+    can't.
+    """
+    a, b = (one.scatter**2 for one in lines)
+    difference, chance = a - b, 0.5 * (a + b) * 2.0 / math.sqrt(between.number)
+    difference *= difference**2 / (difference**2 + chance**2)
+    finest = max(COMMON * between.variance, 0.75 * chance, FINEST**2)
+    worst = WORST_ODOMETER**2 * float(np.median(c.rolled))
+    ranges = []
+    for one, sign in zip(lines, (1.0, -1.0), strict=True):
+        least = max(0.5 * (between.variance + sign * difference), one.variance - worst, finest)
+        ranges.append((least, least + between.variance))
+    return ranges
+
+
+def _alone(one: Line) -> tuple[float, float]:
+    """Return the variance [rad^2] of a method that only the odometer checks: all they differ by is put down to it."""
+    variance = max(one.variance, FINEST**2) if one.known else UNCHECKED**2
+    return variance, variance
+
+
+def _told(c: Columns, one: Line, variance: float) -> tuple[float, float] | None:
+    """Return the odometer's variance of a turn over the declared one, least and most, by one method's turns.
+
+    variance: what the method's own may be at most [rad^2]. Where that may explain all, a poor odometer's is the least.
+    """
+    told = np.isfinite(one.off) & (c.variance > 0.0)
+    if not one.known or not told.any():
+        return None
+    declared = c.variance[told]
+    scatter = (MAD_TO_SIGMA * float(np.median(np.abs(one.off[told]) / np.sqrt(declared)))) ** 2
+    worst, poor = (float(np.median(wide**2 * c.rolled[told] / declared)) for wide in (WORST_ODOMETER, WIDE_TURN))
+    most = min(scatter * (1.0 + YOUNG / math.sqrt(one.number)), worst)
+    least = max(scatter - variance * float(np.median(1.0 / declared)), 0.0)
+    return min(poor if least < AMBIGUOUS * most else least, most), most
+
+
+def line(turns: FloatArray, c: Columns, gain: float) -> Line:
+    """Fit turns (n,) by the odometer's, robustly; NaN turns don't count; gain: what is expected."""
+    known: BoolArray = np.isfinite(turns)
+    count = int(known.sum())
+    if count < FEWEST:
+        return Line(gain, math.inf, 0.0, math.inf, 0.0, count, np.full(len(turns), np.nan))
+    design, off = np.column_stack([c.read[known], c.forward[known]]), turns[known] - gain * c.read[known]
+    fit: FloatArray = np.zeros(2)
+    weights = np.ones(count)
+    for _ in range(FIT_STEPS):
+        left = off - design @ fit
+        scatter = max(MAD_TO_SIGMA * float(np.median(np.abs(left))), 1e-6)
+        weights = 1.0 / (1.0 + (left / (2.0 * scatter)) ** 2) ** 2
+        information = (design * weights[:, None]).T @ design + scatter**2 * np.diag(1.0 / np.square(EXPECTED))
+        fit = np.asarray(np.linalg.solve(information, design.T @ (weights * off)))
+    sigmas = scatter * np.sqrt(np.diag(np.linalg.inv(information)))
+    beside = turns - (gain + fit[0]) * c.read - fit[1] * c.forward
+    gain_sigma, bend_sigma = sigmas.tolist()
+    return Line(gain + float(fit[0]), gain_sigma, float(fit[1]), bend_sigma, scatter, count, np.asarray(beside))
