@@ -64,7 +64,8 @@ class OdometryWatch:
                 self.turn = turn
                 return ""
             return f"carried away: the view changed by {change:.2f}, usual over a step is {self._usual:.2f}"
-        ended = self._contradicted(change, way)
+        rolled = abs(motion.forward) + abs(motion.left)
+        ended = self._contradicted(change, way, rolled)
         if way > STILL and not self._spinning and change < TIMES * max(self._usual, LEAST):
             self._changes.append(change)
             self._ways.append(way)
@@ -78,15 +79,15 @@ class OdometryWatch:
         longer = max(1.0, way / float(np.median(self._ways)))
         return change > max(TIMES * self._usual * longer, LEAST)
 
-    def _contradicted(self, change: float, way: float) -> str:
+    def _contradicted(self, change: float, way: float, rolled: float) -> str:
         """Count the steps in which the wheels stand and the view moves, or the other way round."""
         before, dead, spinning = self.doubted, self._dead, self._spinning
         if len(self._changes) < FEWEST:
             return ""
         usual = self._usual
-        slow = min(way / float(np.median(self._ways)), 1.0)
+        slow = min(rolled / float(np.median(self._ways)), 1.0)  # turning on the spot shows nothing new
         self._dead = self._dead + 1 if way <= STILL and MOVING * usual < change else 0
-        self._spinning = self._spinning + 1 if way > STILL and change < UNMOVED * usual * slow else 0
+        self._spinning = self._spinning + 1 if rolled > STILL and change < UNMOVED * usual * slow else 0
         if before and not self.doubted:
             return f"the odometry stood still for {dead} steps" if dead else f"the wheels spun for {spinning} steps"
         return ""
