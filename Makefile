@@ -2,13 +2,14 @@
 PYTHON ?= $(shell command -v python3.11 || command -v python3)
 VENV := .venv
 BIN := $(VENV)/bin
+SAMPLE ?= 60
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 
-.PHONY: demo test lint bench clean
+.PHONY: demo test lint bench mutate lock clean
 .DEFAULT_GOAL := demo
 
 demo: $(VENV)/.run ## drive, map, close the loop, go home; prints where the report and the log lie
-	$(BIN)/topomap run room-corridor --out runs/demo
+	$(BIN)/topomap run room-corridor --out runs/demo --force
 
 test: lint ## everything .ci/run checks
 	$(BIN)/pytest -n 2
@@ -21,6 +22,14 @@ lint: $(VENV)/.test
 
 bench: $(VENV)/.bench ## slow studies and timings; writes bench.json
 	$(BIN)/python -m tests.benchmarks
+	$(BIN)/python -m tests.fuzz
+
+mutate: $(VENV)/.test ## a sample of small mistakes, each to be noticed by a test; all of them: make mutate SAMPLE=0
+	$(BIN)/python -m tests.mutation --sample $(SAMPLE)
+
+lock: $(VENV)/.bench ## constraints.txt from what is installed, after a change of pyproject.toml and a green `make test`
+	( head -1 constraints.txt; $(BIN)/python -m pip list --format=freeze | grep -Ev '^(topomap|pip|setuptools|wheel)=' ) > .lock
+	mv .lock constraints.txt
 
 clean:
 	rm -rf $(VENV) build *.egg-info
@@ -30,14 +39,14 @@ $(BIN)/python:
 		|| { echo "topomap needs Python >= 3.11; call: make PYTHON=/path/to/python3.11"; exit 1; }
 	$(PYTHON) -m venv $(VENV)
 
-$(VENV)/.run: pyproject.toml | $(BIN)/python
-	$(PIP) install -e .
+$(VENV)/.run: pyproject.toml constraints.txt | $(BIN)/python
+	$(PIP) install -c constraints.txt -e .
 	@touch $@
 
-$(VENV)/.test: pyproject.toml | $(BIN)/python
-	$(PIP) install -e '.[test]'
+$(VENV)/.test: pyproject.toml constraints.txt | $(BIN)/python
+	$(PIP) install -c constraints.txt -e '.[test]'
 	@touch $@ $(VENV)/.run
 
-$(VENV)/.bench: pyproject.toml | $(BIN)/python
-	$(PIP) install -e '.[test,bench]'
+$(VENV)/.bench: pyproject.toml constraints.txt | $(BIN)/python
+	$(PIP) install -c constraints.txt -e '.[test,bench]'
 	@touch $@ $(VENV)/.test $(VENV)/.run

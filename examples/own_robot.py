@@ -26,5 +26,5 @@ class OwnRobot:
 
 
 if __name__ == "__main__":
-    run = topomap.drive(OwnRobot(), out="runs/own-robot", settings=["stack.mission.then=stop"])
+    run = topomap.drive(OwnRobot(), out="runs/own-robot", settings=["stack.mission.then=stop"], force=True)
     print(run.summary["graph_hash"], topomap.replay("runs/own-robot/run.mcap").summary["graph_hash"])

@@ -75,6 +75,10 @@ class ReplayRobot:
         contents = self._log.file.contents
         return sum(contents.counts[id] for id, one in contents.channels.items() if one.topic == ODOMETRY)
 
+    def attachment(self, name: str) -> bytes | None:
+        """Return the last attachment of a name, or None; raises LogError when it is damaged."""
+        return self._log.attachment(name)
+
     def sense(self) -> Reading | None:
         """Return the next reading, None at the end; raises LogError for a damaged one."""
         return next(self._readings, None)

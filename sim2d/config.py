@@ -133,7 +133,26 @@ class DriverConfig(Section):
 
     route: str = Field("", description="name of the world's route to drive instead of its default one")
     laps: float | None = Field(None, gt=0, le=1000, description="laps to drive instead of the world's own number")
+    teaches: bool = Field(True, description="drives the route; if not, the robot has its wheels from the beginning")
     lateral_offset: float = Field(0.0, ge=-10, le=10, description="offset to the left from lap two on [m]")
+
+
+class StartConfig(Section):
+    """Where the robot is set at the beginning: at a place of the world, at x, y, or so far along its route."""
+
+    place: str = Field("", description="name of one of the world's places")
+    x: float | None = Field(None, description="where [m]")
+    y: float | None = Field(None, description="where [m]")
+    along: float | None = Field(None, ge=0, description="way along the route that the driver leaves out [m]")
+    heading_deg: float | None = Field(None, description="heading there; none: the place's, or the route's [degree]")
+
+    @model_validator(mode="after")
+    def _has_one_place(self) -> Self:
+        if (self.x is None) != (self.y is None):
+            raise ValueError("give x and y")
+        if sum((bool(self.place), self.x is not None, self.along is not None)) > 1:
+            raise ValueError("give a place, x and y, or a way along the route, and not two of them")
+        return self
 
 
 class PeopleConfig(Section):
@@ -190,12 +209,14 @@ class OdometryFaultConfig(MomentConfig):
 class SimConfig(Section):
     """All of the simulator."""
 
+    textures: int = Field(0, ge=0, le=10**6, description="seed of the looks of a world's surfaces")
     camera: CameraConfig = Field(default_factory=CameraConfig, description="panoramic camera")
     laser: LaserConfig = Field(default_factory=LaserConfig, description="range scanner")
     odometer: OdometerConfig = Field(default_factory=OdometerConfig, description="odometer and its errors")
     body: BodyConfig = Field(default_factory=BodyConfig, description="robot body")
     driver: DriverConfig = Field(default_factory=DriverConfig, description="driver of the taught route")
     people: PeopleConfig = Field(default_factory=PeopleConfig, description="people besides the world's own")
+    start: StartConfig = Field(default_factory=StartConfig, description="where the robot is set")
     floor_gloss: float | None = Field(None, ge=0, le=1, description="share that the floor mirrors; none: the world's")
     kidnaps: tuple[KidnapConfig, ...] = Field((), description="when and where to the robot is carried away")
     odometry_faults: tuple[OdometryFaultConfig, ...] = Field((), description="when and how the odometry fails")

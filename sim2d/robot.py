@@ -20,6 +20,7 @@ from sim2d.odometer import Odometer, joined
 from sim2d.odometry_faults import OdometryFaults
 from sim2d.path import of_route
 from sim2d.records import EPOCH_NS, CameraRig, OdometerReading, SetDown, SimReading, SimTruth, TrueCalibration
+from sim2d.start import start_pose
 from sim2d.streams import stream
 from sim2d.way import Way
 from sim2d.world import World
@@ -54,10 +55,11 @@ class SimRobot:
         )
         path = self._driver.path
         world.add_people(crowd(path, config.people, stream(seed, "people"), config.body.max_speed))
-        self._driven = set_down is None
+        self._driver.progress = config.start.along or 0.0
+        self._driven = set_down is None and config.driver.teaches
         if set_down is not None:
             self._driver.progress = path.length
-        start = (*path.at(0.0), path.heading(0.0)) if set_down is None else set_down.pose
+        start = start_pose(world, path, config.start) if set_down is None else set_down.pose
         self._body = Body(world, config.body, *start)
         self._camera = Camera(
             config.camera, stream(seed, "image noise"), stream(seed, "camera body"), config.floor_gloss
@@ -95,6 +97,8 @@ class SimRobot:
     @property
     def expected_steps(self) -> int:
         """About how many readings the taught route takes."""
+        if not self._config.driver.teaches:
+            return 1
         return math.ceil(self.route_length_m / (self._config.body.max_speed * self._config.body.step)) + 3
 
     def sense(self) -> SimReading | None:
@@ -131,6 +135,15 @@ class SimRobot:
         """Set the wheels for the steps to come; ignored while the driver has them."""
         if not self._driven and not self._stopped:
             self._wheels = (float(command.forward), float(command.turn))
+
+    def rest(self) -> None:
+        """Stop the wheels until the next command."""
+        if not self._driven:
+            self._wheels = (0.0, 0.0)
+
+    def put(self, x: float, y: float, heading: float) -> None:
+        """Set the robot down somewhere else [m, rad], which no wheel notices."""
+        self._body.put(x, y, heading)
 
     def stop(self) -> None:
         """Stop the wheels for good."""

@@ -46,8 +46,8 @@ def watching(monkeypatch: pytest.MonkeyPatch) -> Iterator[Watched]:
     seen = Watched()
     weigh, decide = ClosureEngine.weigh, ClosureEngine.decide
 
-    def weighing(self: ClosureEngine, claims: Claims, knowledge: Knowledge, bar: float) -> Weighed:
-        seen.weighed.append(weigh(self, claims, knowledge, bar))
+    def weighing(self: ClosureEngine, *args: object) -> Weighed:
+        seen.weighed.append(weigh(self, *args))  # type: ignore[arg-type]
         return seen.weighed[-1]
 
     def deciding(self: ClosureEngine, *args: object) -> Decision:

@@ -32,6 +32,9 @@ SMALLER = {
 }
 LESS = {
     "topomap sweep": ["--set", "sim.driver.laps=0.3", "--set", "stack.mission.then=stop"],
+    "topomap run hall --mission hall": [
+        f"--set={word}" for word in ("stack.hall.ahead=2.5", "stack.hall.behind=0.3", "stack.hall.width=1.8")
+    ],
     "topomap bench graphs": ["--seeds", "0", "--peers", "none"],
     "topomap bench homing --env": ["--starts", "0"],
     "topomap bench homing --grid": ["--methods", "alv"],
@@ -42,6 +45,7 @@ NOT_HERE = {
     "make demo": "installs into .venv; it then runs the first command of the list",
     "make test": "this is it",
     "make bench": "takes an hour",
+    "make mutate": "takes an hour",
 }
 
 

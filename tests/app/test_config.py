@@ -70,3 +70,35 @@ def test_a_wrong_file_is_one_clear_line_that_names_it(tmp_path: Path, text: str,
 def test_a_missing_file_is_named(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match=r"none\.toml: cannot be read"):
         load_config(tmp_path / "none.toml")
+
+
+@pytest.mark.parametrize(
+    ("word", "says"),
+    [
+        (
+            "sim.kidnaps=[{at_s = 1, x = nan, y = 0}]",
+            "sim.kidnaps.0.x = nan: no setting is NaN, infinite",
+        ),
+        ("sim.body.step=inf", "sim.body.step = inf: no setting is NaN"),
+        (f"sim.camera.width=1{'0' * 400}", "sim.camera.width = a number of more digits than one can read"),
+        ("stack.mapper.closing.same_place.memory=1e10", "no setting is NaN, infinite or beyond"),
+        ("sim.driver.lateral_offset=1e6", "input should be less than or equal to 10"),
+        ("sim.kidnaps=[{at_s = 1, x = 0, y = 0, colour = 3}]", "unknown key sim.kidnaps.0.colour; known there: at_s"),
+        ("sim.camera.light_changes=[{hour = 3, at_s = 1, at_hour = 2}]", "known there: at_lap, at_s, hour"),
+        (f"sim.camera.light_changes={'[' * 5000}", "nested too deeply"),
+    ],
+)
+def test_senseless_values_are_one_short_line(word: str, says: str) -> None:
+    with pytest.raises(ConfigError) as wrong:
+        load_config(None, [word])
+    assert says in str(wrong.value)
+    assert "\n" not in str(wrong.value)
+    assert len(str(wrong.value)) < 700
+
+
+def test_a_file_nested_too_deeply_is_one_line(tmp_path: Path) -> None:
+    (tmp_path / "deep.toml").write_text(f"a = {'[' * 5000}")
+    (tmp_path / "long.toml").write_text(f"a = 1{'0' * 10_000}")
+    for name, says in (("deep", "nested too deeply"), ("long", "not a TOML file")):
+        with pytest.raises(ConfigError, match=says):
+            load_config(tmp_path / f"{name}.toml")

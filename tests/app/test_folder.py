@@ -1,4 +1,4 @@
-"""A run owns its folder: one at a time, no mixture with an earlier one, nothing written over unasked, no link followed."""
+"""A run owns its folder: one at a time, no mixture with an earlier one, nothing written over unasked."""
 
 from __future__ import annotations
 

@@ -7,9 +7,12 @@ import json
 import math
 from pathlib import Path
 
+import cv2
+import numpy as np
 import pytest
 
-from topomap.app.sweep import plan, run_sweep, variants, write_sweep
+from topomap.app.config import load_config
+from topomap.app.sweep import RunTask, plan, run_sweep, variants, write_sweep
 from topomap.bench.sweeps.table import SweptRun, lines
 from topomap.cli.sweep_commands import HEADINGS, cells
 from topomap.core.errors import ConfigError, DataError
@@ -108,3 +111,34 @@ def test_the_table_says_what_the_runs_say(twice: tuple[Path, list[SweptRun], lis
     assert json.loads(table.read_text())[0]["seeds"] == [0, 1]
     assert [row["graph_hash"] for row in csv.DictReader(rows.open())] == [run.summary["graph_hash"] for run in one]
     assert picture.stat().st_size > 10_000
+
+
+def test_a_run_whose_files_were_deleted_is_made_again(twice: tuple[Path, list[SweptRun], list[SweptRun]]) -> None:
+    out, one, _ = twice
+    folder = out / "den" / "default" / "seed-1"
+    for path in folder.iterdir():
+        path.unlink()
+    assert [run.summary["graph_hash"] for run in swept(out, 1)] == [run.summary["graph_hash"] for run in one]
+    assert len(list(folder.iterdir())) == 4
+
+
+def test_the_key_holds_every_file_that_a_world_rests_on(tmp_path: Path) -> None:
+    base, world = tmp_path / "base.toml", tmp_path / "mine.toml"
+    base.write_text(Path(DEN).read_text())
+    world.write_text('extends = "base.toml"\nname = "mine"\n')
+    picture, plan_file = tmp_path / "map.pgm", tmp_path / "map.yaml"
+    room = np.full((120, 160), 0, np.uint8)
+    room[10:110, 10:150] = 254
+    cv2.imwrite(str(picture), room)
+    plan_file.write_text("image: map.pgm\nresolution: 0.05\norigin: [0, 0, 0]\n")
+
+    def keys(name: Path) -> str:
+        return RunTask(str(name), "default", 0, load_config(), tmp_path / "out").key
+
+    for name, rests_on in ((world, (base, world)), (plan_file, (picture, plan_file))):
+        for path in rests_on:
+            before, content = keys(name), path.read_bytes()
+            path.write_bytes(content + b"\n")
+            assert keys(name) != before, path
+            path.write_bytes(content)
+            assert keys(name) == before

@@ -152,3 +152,4 @@ def test_antworld_is_understood_without_a_spec(data_dir: Path) -> None:
     assert arena.spacing == pytest.approx(0.1, abs=1e-3)
     near = arena.source.view(*arena.home, 0.0)
     assert near.image.shape == (150, 720, 3)
+    assert near.rig.horizon_row == 119.5

@@ -58,7 +58,7 @@ def candidate(run: RunData, query: int, match: int) -> Candidate:
         relative,
         np.diag([0.04, 0.04, 0.001]),
         0.9,
-        evidence=Evidence(difference=0.31),
+        evidence=Evidence(difference=0.31, odds=3.0, looks=1.0),
     )
 
 

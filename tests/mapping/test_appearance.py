@@ -1,4 +1,4 @@
-"""The visual test: the place of least cost wins, unless another place is nearly as alike."""
+"""Places compared in detail: the one of least cost wins, and others tell what that is worth."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 
 from topomap.core.panorama import Panorama
 from topomap.core.records import Alignment, PlaceMatch
-from topomap.mapping.closures.appearance import AppearanceSettings, AppearanceTest, Outcome
+from topomap.mapping.closures.appearance import Appearance, Look, Outcome
 
 
 class Costs:
@@ -24,37 +24,48 @@ class Costs:
         return Alignment(rotation=0.0, residual=self.costs[node])
 
 
-def judge(costs: dict[int, float], places: list[int], rivals: list[int]) -> tuple[Outcome, list[int]]:
+def compare(costs: dict[int, float], places: list[int], rivals: list[int]) -> tuple[Outcome, list[int]]:
     """Nodes stand 1 m apart in the order of their numbers; an image is its node's number."""
     aligner = Costs(costs)
-    appearance = AppearanceTest(AppearanceSettings(cost=0.8, ratio=0.9, rival_distance=1.5), aligner)
     matches = [[PlaceMatch(node, 0.3, 0.0) for node in some] for some in (places, rivals)]
     view = cast(Panorama, np.float64(0))
-    found = appearance.judge(
+    found = Appearance(aligner).compare(
         view, *matches, lambda node: cast(Panorama, np.float64(node)), lambda a, b: float(abs(a - b))
     )
     return found, aligner.asked
 
 
 def test_the_least_cost_wins_and_its_neighbours_are_no_rivals() -> None:
-    found, _ = judge({1: 0.3, 2: 0.31, 9: 0.6}, [2, 1], [9])
+    found, _ = compare({1: 0.3, 2: 0.31, 9: 0.6, 12: 0.8}, [2, 1], [9, 12])
     assert found.winner.match.node == 1
     assert found.ratio == pytest.approx(0.5)
-    assert found.objection == ""
+    assert found.elsewhere == pytest.approx(0.7)
 
 
 def test_a_rival_nearly_as_alike_ends_the_comparison() -> None:
-    found, asked = judge({1: 0.3, 9: 0.32, 20: 0.9, 30: 0.9}, [1], [9, 20, 30])
-    assert "another place is nearly as alike" in found.objection
+    found, asked = compare({1: 0.3, 9: 0.32, 20: 0.9, 30: 0.9}, [1], [9, 20, 30])
+    assert found.ratio == pytest.approx(0.3 / 0.32)
     assert asked == [1, 9]
 
 
 def test_a_rival_that_wins_is_the_winner() -> None:
-    found, asked = judge({1: 0.6, 9: 0.2, 20: 0.7}, [1], [9, 20])
+    found, asked = compare({1: 0.6, 9: 0.2, 20: 0.7}, [1], [9, 20])
     assert found.winner.match.node == 9
     assert asked == [1, 9, 20]
 
 
-def test_nothing_is_believed_that_costs_too_much() -> None:
-    found, _ = judge({1: 0.85}, [1], [])
-    assert "no place is alike enough" in found.objection
+def test_where_there_is_no_other_place_nothing_is_known_of_others() -> None:
+    found, _ = compare({1: 0.3, 2: 0.4}, [1, 2], [])
+    assert found.ratio == 0.0
+    assert np.isnan(found.elsewhere)
+
+
+def test_what_is_usual_elsewhere_is_learnt_from_two_other_places() -> None:
+    aligner = Costs({2: 0.3, 9: 0.6, 12: 0.8, 20: 0.1})
+    winner = Look(PlaceMatch(1, 0.3, 0.0), Alignment(0.0, 0.3))
+    rivals = [PlaceMatch(node, 0.3, 0.0) for node in (2, 9, 12, 20)]
+    view = cast(Panorama, np.float64(0))
+    args = (lambda node: cast(Panorama, np.float64(node)), lambda a, b: float(abs(a - b)))
+    assert Appearance(aligner).elsewhere(view, winner, rivals, *args) == pytest.approx(0.7)
+    assert aligner.asked == [9, 12]
+    assert np.isnan(Appearance(aligner).elsewhere(view, winner, rivals[:1], *args))

@@ -8,8 +8,8 @@ from lapped import lapped
 
 from topomap.core.arrays import FloatArray
 from topomap.core.errors import TopomapError
-from topomap.mapping.closures.batch import CLOSING
 from topomap.mapping.closures.drive import HELD
+from topomap.mapping.closures.working_map import CLOSING
 from topomap.mapping.optimizer import HeldSolver, Problem, solve
 from topomap.mapping.optimizer.block_cholesky import BlockPattern
 

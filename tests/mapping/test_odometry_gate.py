@@ -6,43 +6,49 @@ import numpy as np
 import pytest
 
 from topomap.core.geometry import Pose2
-from topomap.core.records import Candidate
-from topomap.mapping.closures.odometry_gate import OdometryGate
+from topomap.mapping.closures.claims import Claims
+from topomap.mapping.closures.closure_tests import Gate, Knowledge
+from topomap.mapping.closures.online import GATE
 from topomap.mapping.uncertainty.agreement import Agreeing, SupportSettings, support
 
-
-def candidate(relative: Pose2, heading_variance: float = 0.005) -> Candidate:
-    return Candidate(100, 1, 10, relative, np.diag([0.1, 0.1, heading_variance]))
+OWN = np.diag([0.1, 0.1, 0.005])
 
 
-def test_gate_lets_the_stated_share_of_true_closures_pass() -> None:
-    rng, gate = np.random.default_rng(0), OdometryGate()
-    path = np.array([[2.0, 0.5, 0.1], [0.5, 1.0, 0.05], [0.1, 0.05, 0.04]])
-    expected = Pose2(1.0, -2.0, 0.7)
-    rotation = np.eye(3)
-    c, s = np.cos(0.7), np.sin(0.7)
-    rotation[:2, :2] = [[c, -s], [s, c]]
-    proposal = candidate(Pose2())
-    total = path + proposal.covariance
-    passed = []
-    for draw in rng.multivariate_normal(np.zeros(3), total, 2000):
-        claim = Pose2(expected.x + draw[0], expected.y + draw[1], expected.heading + draw[2])
-        passed.append(gate.judge(candidate(claim), expected, path).passed)
-    assert 0.98 < np.mean(passed) < 0.998
+def passes(gate: Gate, claimed: Pose2, expected: Pose2, errors: np.ndarray, own: np.ndarray = OWN) -> bool:
+    """Whether a claim passes beside a map that begins at the origin and has the place at `expected`."""
+    claim, knowledge = asked(claimed, expected, errors, own)
+    return bool(gate.weigh(claim, knowledge)[0] == 0.0)
+
+
+def asked(claimed: Pose2, expected: Pose2, errors: np.ndarray, own: np.ndarray = OWN) -> tuple[Claims, Knowledge]:
+    poses = np.array([[0.0, 0.0, 0.0], expected.array()])
+    return Claims.of_one(0, 1, claimed, own), Knowledge.of_one(poses, errors)
+
+
+@pytest.mark.parametrize("share", [GATE, 0.99])
+def test_gate_lets_the_stated_share_of_true_closures_pass(share: float) -> None:
+    rng, gate = np.random.default_rng(0), Gate(share)
+    errors = np.array([[2.0, 0.5, 0.0], [0.5, 1.0, 0.0], [0.0, 0.0, 0.04]])
+    expected = Pose2(0.0, 0.0, 0.7)
+    passed = [
+        passes(gate, Pose2(draw[0], draw[1], 0.7 + draw[2]), expected, errors)
+        for draw in rng.multivariate_normal(np.zeros(3), errors + OWN, 3000)
+    ]
+    assert abs(np.mean(passed) - share) < 3 * np.sqrt(share * (1 - share) / 3000)
 
 
 def test_gate_names_the_contradiction() -> None:
-    finding = OdometryGate().judge(candidate(Pose2()), Pose2(6.0, 0.0, 0.0), np.eye(3) * 0.1)
-    assert not finding.passed
-    assert finding.score > 10
-    assert "contradicts" in finding.reason
-    assert "6.0 m" in finding.reason
+    claim, knowledge = asked(Pose2(), Pose2(6.0, 0.0, 0.0), np.eye(3) * 0.1)
+    assert not passes(Gate(GATE), Pose2(), Pose2(6.0, 0.0, 0.0), np.eye(3) * 0.1)
+    assert Gate(GATE).reason(claim, knowledge).startswith("odometry contradicts it: 6.0 m and 0 degrees off")
+    claim, knowledge = asked(Pose2(), Pose2(0.1, 0.0, 0.0), np.eye(3) * 0.1)
+    assert Gate(GATE).reason(claim, knowledge).startswith("odometry allows it: 0.1 m")
 
 
 def test_opposite_heading_passes_only_where_heading_isnt_claimed() -> None:
     expected = Pose2(0.1, 0.0, np.pi)
-    assert not OdometryGate().judge(candidate(Pose2()), expected, np.eye(3) * 0.05).passed
-    assert OdometryGate().judge(candidate(Pose2(), 40.0), expected, np.eye(3) * 0.05).passed
+    assert not passes(Gate(0.99), Pose2(), expected, np.eye(3) * 0.05)
+    assert passes(Gate(0.99), Pose2(), expected, np.eye(3) * 0.05, np.diag([0.1, 0.1, 40.0]))
 
 
 @pytest.mark.parametrize("reverse", [False, True])

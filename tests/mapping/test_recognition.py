@@ -45,9 +45,11 @@ def test_nothing_is_proposed_before_other_places_were_seen() -> None:
 
 
 @pytest.mark.parametrize(("share", "proposed"), [(0.7, False), (1.4, True)])
-def test_the_threshold_is_a_share_of_the_usual_difference(share: float, proposed: bool) -> None:
-    settings = RecognitionSettings(threshold=share)
-    recognition = Recognition(settings)
+def test_the_threshold_is_a_share_of_the_usual_difference(
+    share: float, proposed: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("topomap.mapping.places.recognition.THRESHOLD", share)
+    recognition = Recognition(RecognitionSettings())
     several = views(0.9, 26)
     for k, view in enumerate(several[:20]):
         recognition.update(k, float(k), view, np.zeros(0, np.int64))
@@ -57,3 +59,33 @@ def test_the_threshold_is_a_share_of_the_usual_difference(share: float, proposed
         recognition.update(20 + k, 20.0 + k, view, np.arange(10))
         found.append(recognition.proposal())
     assert any(proposal is not None for proposal in found) == proposed
+
+
+def test_a_pass_is_proposed_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every third view is a place's own, a minimum each, but what follows within 0.3 m sees the same places."""
+    every = proposed(0.0, monkeypatch)
+    assert np.diff(every).max() < 0.3
+    some = proposed(0.3, monkeypatch)
+    assert 2 <= len(some) < len(every)
+    assert np.diff(some).min() >= 0.3 - 1e-9
+
+
+def proposed(pause: float, monkeypatch: pytest.MonkeyPatch) -> list[float]:
+    """The ways [m] at which places are proposed on a drive of 0.06 m a step."""
+    if pause != 0.3:
+        monkeypatch.setattr("topomap.mapping.places.recognition.PAUSE", pause)
+    else:
+        monkeypatch.undo()
+    recognition = Recognition(RecognitionSettings())
+    several = views(0.9, 40)
+    for k, one in enumerate(several[:30]):
+        recognition.update(k, float(k), one, np.zeros(0, np.int64))
+        recognition.add(k, float(k), one)
+    found = []
+    for k in range(30):
+        one = several[k // 3] if k % 3 == 1 else several[30 + k % 10]
+        recognition.update(100 + k, 60.0 + 0.06 * k, one, np.arange(10))
+        proposal = recognition.proposal()
+        if proposal is not None:
+            found.append(proposal.moment.travel)
+    return found

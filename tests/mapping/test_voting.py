@@ -11,7 +11,7 @@ import pytest
 from topomap.core.evidence import Evidence
 from topomap.core.geometry import Pose2
 from topomap.core.records import Candidate
-from topomap.mapping.closures.voting import Voting, VotingSettings
+from topomap.mapping.closures.voting import Voting
 from topomap.mapping.graph import Node, TopoMap
 
 
@@ -31,55 +31,68 @@ def candidate(query: int, match: int, rotation: float, ratio: float = 0.0) -> Ca
     return Candidate(query, match, match, relative, np.eye(3), query=query, evidence=Evidence(ratio=ratio))
 
 
+def add(voting: Voting, one: Candidate) -> tuple[Candidate, ...]:
+    """All that are believed with a candidate, or none yet."""
+    company = voting.add(one)
+    if company.support < 1.0:
+        return ()
+    voting.settle(company)
+    return company.agreeing
+
+
 @pytest.mark.parametrize("back", [False, True])
 def test_three_that_tell_the_same_shift_are_believed_together(back: bool) -> None:
-    voting = Voting(VotingSettings(), road(back))
+    voting = Voting(road(back))
     pairs = [(query, 39 - query if back else query - 20) for query in (22, 24, 26)]
     turn = math.pi if back else 0.0
-    assert voting.add(candidate(*pairs[0], turn)) == ()
-    assert voting.add(candidate(*pairs[1], turn)) == ()
-    assert [c.query for c in voting.add(candidate(*pairs[2], turn))] == [22, 24, 26]
+    assert add(voting, candidate(*pairs[0], turn)) == ()
+    assert add(voting, candidate(*pairs[1], turn)) == ()
+    assert [c.query for c in add(voting, candidate(*pairs[2], turn))] == [22, 24, 26]
 
 
 def test_places_that_hardly_beat_their_rivals_need_more_of_them() -> None:
-    voting = Voting(VotingSettings(clear=0.6), road(False))
-    found = [voting.add(candidate(20 + k, k, 0.0, ratio=0.8)) for k in range(6)]  # half a vote each
+    voting = Voting(road(False))
+    found = [add(voting, candidate(20 + k, k, 0.0, ratio=0.875)) for k in range(6)]  # half a vote each
     assert [len(some) for some in found] == [0, 0, 0, 0, 0, 6]
 
 
 def test_an_active_check_is_a_further_vote() -> None:
-    voting = Voting(VotingSettings(), road(False))
+    voting = Voting(road(False))
     first, second = candidate(22, 2, 0.0), candidate(24, 4, 0.0)
-    assert voting.add(first) == ()
-    assert voting.add(second) == ()
+    assert add(voting, first) == ()
+    assert add(voting, second) == ()
     voting.drop(first)
     checked = replace(first, evidence=replace(first.evidence, active=1.0))
-    assert voting.add(checked) == (second, checked)
+    assert add(voting, checked) == (second, checked)
 
 
 def test_what_was_dropped_supports_nothing() -> None:
-    voting = Voting(VotingSettings(votes=2), road(False))
+    voting = Voting(road(False))
     first = candidate(22, 2, 0.0)
-    voting.add(first)
+    add(voting, first)
+    add(voting, candidate(23, 3, 0.0))
     voting.drop(first)
-    assert voting.add(candidate(24, 4, 0.0)) == ()
+    assert add(voting, candidate(24, 4, 0.0)) == ()
+    assert len(add(voting, candidate(25, 5, 0.0))) == 3
 
 
 def test_look_alikes_at_random_places_never_agree() -> None:
-    voting = Voting(VotingSettings(), road(False))
+    voting = Voting(road(False))
     for query, match in ((22, 2), (23, 9), (24, 1), (25, 13), (26, 10)):
-        assert voting.add(candidate(query, match, 0.0)) == ()
+        assert add(voting, candidate(query, match, 0.0)) == ()
 
 
 def test_a_wrong_rotation_does_not_agree() -> None:
-    voting = Voting(VotingSettings(votes=2), road(False))
-    assert voting.add(candidate(22, 2, 0.0)) == ()
-    assert voting.add(candidate(23, 3, 0.5)) == ()
+    voting = Voting(road(False))
+    assert add(voting, candidate(22, 2, 0.0)) == ()
+    assert add(voting, candidate(23, 3, 0.0)) == ()
+    assert add(voting, candidate(24, 4, 0.2)) == ()  # 11 degrees
+    assert [c.query for c in add(voting, candidate(25, 5, 0.0))] == [22, 23, 25]
 
 
 def test_what_nothing_supports_in_time_expires_once() -> None:
-    voting = Voting(VotingSettings(within=5.0), road(False))
-    voting.add(candidate(22, 2, 0.0))
-    assert voting.expired(26.0) == ()
-    assert [c.query for c in voting.expired(28.0)] == [22]
+    voting = Voting(road(False))
+    add(voting, candidate(22, 2, 0.0))
+    assert voting.expired(29.9) == ()
+    assert [c.query for c in voting.expired(30.1)] == [22]
     assert voting.expired(40.0) == ()

@@ -24,7 +24,7 @@ CONFIG = load_config(
     (
         "sim.driver.laps=0.4",
         "stack.mapper.recognition.min_travel=1.5",
-        "stack.mapper.closing.alone=0.01",
+        "stack.mapper.closing.certainty=0.999999",
         "stack.active.on=true",
     ),
 )

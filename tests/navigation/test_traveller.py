@@ -1,165 +1,238 @@
-"""Whose bearing the robot follows on a leg: the method's, or the map's where that one leads away or says nothing."""
+"""Journeys of a robot whose place and belief are set by the test: arrival, passing, recovery, giving up."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from types import SimpleNamespace
-from typing import cast
+from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
-from homing_fakes import RIG, KnowingCompass, TellingViews
+from homing_fakes import RIG, Knowing, KnowingCompass, TellingViews
+from maps import STEP_NS
+from roamer import Roamer, difference
 
 from topomap.core.errors import DataError
-from topomap.core.geometry import Pose2
+from topomap.core.geometry import Pose2, wrap
 from topomap.core.panorama import Panorama
-from topomap.core.records import Alignment, Goal, HomeVector, Phase, Travel, Where
-from topomap.mapping.mapper import Mapper
-from topomap.navigation import arrival, traveller
-from topomap.navigation.traveller import Traveller, TravelSettings
+from topomap.core.records import Alignment, Command, Goal, HomeVector, Hypothesis, Phase, Where
+from topomap.navigation import sight
+from topomap.navigation.homeward import POLICY_REST
+from topomap.navigation.manoeuvres.back_off import SPEED, STEPS
+from topomap.navigation.recovery import LADDER, Remedy, Trouble
+from topomap.navigation.senses import Health, Senses
+from topomap.navigation.traveller import STAND_STEPS, Traveller, TravelSettings
 from topomap.vision.aligned_homing import AlignedHoming
 from topomap.vision.homing import Needs
 
-GOAL = Goal(Phase.TRAVEL, 0)
-NEVER = TravelSettings()
-
 
 @pytest.fixture(autouse=True)
-def never_there(monkeypatch: pytest.MonkeyPatch) -> None:
-    """No view is like the milestone's, so that no leg ends by arrival."""
-    monkeypatch.setattr(arrival, "SAME", 1e-9)
-    monkeypatch.setattr(arrival, "MINIMUM_BELOW", 1e-9)
+def places_look_their_own_way(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sight, "aligned_difference", difference)
+
+
+def test_it_flows_through_the_milestones_and_stops_at_the_goal_only() -> None:
+    robot = Roamer()
+    last = robot.travel(6)
+    assert (last.phase, last.note) == (Phase.ARRIVED, "goal reached")
+    assert robot.pose.distance(robot.topo.pose(6)) < 0.1
+    assert robot.notes()[:-1] == ["milestone reached"] * (len(robot.notes()) - 1)
+    moving = [command.forward for command in robot.commands[:-1]]
+    assert min(moving) > 0.1
+    assert robot.way / (len(moving) * 0.25) > 0.3
+
+
+def test_already_there_is_seen_and_a_second_goal_is_travelled_to() -> None:
+    robot = Roamer()
+    assert robot.travel(0).note == "goal reached"
+    assert len(robot.travels) == 1
+    assert robot.travel(4).phase is Phase.ARRIVED
+    assert robot.pose.distance(robot.topo.pose(4)) < 0.1
+    assert robot.travel(0).phase is Phase.ARRIVED
+    assert robot.pose.distance(robot.topo.pose(0)) < 0.1
+
+
+def test_already_there_is_not_believed_where_the_view_is_another() -> None:
+    blind = AlignedHoming(KnowingCompass(), Knowing(silent_beyond=-9.0))
+    robot = Roamer(pose=Pose2(0.0, 2.0), homing=blind, believed=lambda pose: Pose2(0.0, 0.0, pose.heading))
+    robot.wall = lambda before, after: math.hypot(after.x, after.y - 2.0) > 1.0
+    assert robot.travel(0, 1500).phase is Phase.FAILED
+    assert "goal reached" not in robot.notes()
+
+
+@pytest.mark.parametrize(
+    ("kind", "says"),
+    [
+        ({"believed": lambda pose: Pose2(pose.x - 2.0, pose.y, pose.heading)}, "it is believed to be 2.0 m away"),
+        ({"lost": 0.4}, "lost with a probability of 0.40"),
+        ({"rivals": (Hypothesis(9, Pose2(9.0, 9.0), 0.4),)}, "with a probability of 0.40 it is another place"),
+    ],
+)
+def test_the_goals_view_alone_is_no_arrival(kind: dict[str, object], says: str) -> None:
+    robot = Roamer(pose=Pose2(0.3, 0.0, math.pi), **kind)
+    last = robot.travel(0, 2500)
+    assert last.phase is Phase.FAILED
+    assert "goal reached" not in robot.notes()
+    if "believed" not in kind:  # else the robot drives to where it believes the goal to be
+        assert any(f"looks like the goal, but {says}" in note for note in robot.notes())
+
+
+def test_a_look_alike_place_with_the_wrong_heading_is_no_arrival() -> None:
+    robot = Roamer(believed=lambda pose: Pose2(pose.x, pose.y, pose.heading + 1.5))
+    robot.travel(0, 30)
+    assert any("its view is turned by" in note for note in robot.notes())
 
 
 @dataclass(frozen=True)
-class Fixed:
-    """Always gives the same home vector."""
+class NearPrior:
+    """A compass that searches half a radian around what it is told, as aligners do."""
 
-    bearing: float
-    confidence: float = 1.0
-    ranges: bool = False
-    claims_homing: bool = True
+    def align(self, current: Panorama, goal: Panorama, prior: float | None = None) -> Alignment:
+        true = KnowingCompass().align(current, goal).rotation
+        return Alignment(true if prior is None or abs(wrap(true - prior)) < 0.5 else prior, 0.0)
 
-    @property
-    def needs(self) -> Needs:
-        return Needs(ranges=self.ranges)
+
+@pytest.mark.parametrize("off", [math.pi / 2, -math.pi / 2, math.pi])
+def test_a_wrong_heading_is_found_by_the_full_turn(off: float) -> None:
+    homing = AlignedHoming(NearPrior(), Knowing())
+    views = TellingViews()
+    place = sight.Sight(0, 0, views.view(0.0, 0.0, 0.0), off)
+    look = place.look(views.view(0.1, 0.0, 0.3), homing)
+    assert look.turned
+    assert look.rotation == pytest.approx(0.3, abs=0.02)
+    told = sight.Sight(0, 0, views.view(0.0, 0.0, 0.0), 0.4).look(views.view(0.1, 0.0, 0.3), homing)
+    assert not told.turned
+    assert told.rotation == pytest.approx(0.3, abs=0.02)
+
+
+def test_a_goal_that_is_no_node_is_one_line_with_the_range() -> None:
+    last = Roamer().travel(99)
+    assert last.phase is Phase.FAILED
+    assert last.note == "no route from node 0 to node 99: there is no node 99, the map's nodes are 0 to 32"
+
+
+def test_a_goal_without_a_view_is_reached_by_pose_beside_a_place_that_was_seen() -> None:
+    robot = Roamer()
+    bare = robot.topo.insert(12 * STEP_NS)
+    last = robot.travel(bare)
+    assert last.phase is Phase.ARRIVED
+    assert f"node {bare} has no view of its own" in last.note
+    assert robot.pose.distance(robot.topo.pose(bare)) < 0.15
+
+
+def blocked_at(x: float) -> Roamer:
+    """A robot on the square's southern side with an unseen wall across it, that its body, 0.2 m, can't pass."""
+
+    def hits(before: Pose2, after: Pose2) -> bool:
+        return after.y < 1.0 and abs(after.x - x) < 0.2 and abs(after.x - x) < abs(before.x - x)
+
+    return Roamer(wall=hits)
+
+
+def test_a_blocked_way_is_gone_round_and_every_remedy_is_said_in_order() -> None:
+    robot = blocked_at(2.25)
+    last = robot.travel(8, 3000)
+    assert last.phase is Phase.ARRIVED
+    said = [note for note in robot.notes() if note.startswith(Trouble.BLOCKED)]
+    assert said == [f"{Trouble.BLOCKED}: {remedy}" for remedy in LADDER[Trouble.BLOCKED][: len(said)]]
+    assert said[-1].endswith(Remedy.REPLAN)
+    assert robot.topo.experience.of(4, 5).failed == 1
+    assert robot.topo.experience.of(0, 32).passed == 1
+
+
+def test_a_blocked_only_way_is_said_and_the_wheels_stand() -> None:
+    robot = blocked_at(2.25)
+    robot.topo.remove(robot.topo.closures[0])
+    last = robot.travel(8, 3000)
+    assert last.phase is Phase.FAILED
+    assert last.note == "gave up on the way to node 8: no way through"
+    assert any("the only way is blocked" in note for note in robot.notes())
+    assert robot.commands[-1] == Command()
+
+
+def test_a_way_that_clears_is_driven_on_and_the_ladder_begins_anew() -> None:
+    robot = blocked_at(1.25)
+    for _ in range(150):
+        robot.step(8)
+    robot.wall = lambda before, after: False
+    assert robot.travel(8, 600).phase is Phase.ARRIVED
+    tried = robot.notes()
+    assert f"{Trouble.BLOCKED}: {Remedy.LOOK}" in tried
+    assert f"{Trouble.BLOCKED}: {Remedy.REPLAN}" not in tried
+
+
+def test_the_lost_look_and_then_give_up() -> None:
+    robot = Roamer(lost=0.9, homing=AlignedHoming(KnowingCompass(), Knowing(silent_beyond=-9.0)))
+    last = robot.travel(8, 3000)
+    assert last.phase is Phase.FAILED
+    said = [note.partition(": ")[2] for note in robot.notes() if note.startswith(f"{Trouble.LOST}:")]
+    assert said == [str(remedy) for remedy in LADDER[Trouble.LOST][:-1]]
+
+
+def test_without_a_view_the_wheels_stand_and_in_the_end_it_says_so() -> None:
+    robot = Roamer()
+    for _ in range(5):
+        robot.step(8)
+    robot.health = Health(stop="the camera shows nothing")
+    last = robot.travel(8)
+    assert last.phase is Phase.FAILED
+    assert last.note == "the camera shows nothing"
+    assert robot.commands[5:] == [Command()] * (STAND_STEPS + 1)
+
+
+def test_a_contact_backs_off() -> None:
+    robot = Roamer()
+    for _ in range(5):
+        robot.step(8)
+    robot.contact = True
+    robot.step(8)
+    robot.contact = False
+    for _ in range(STEPS):
+        robot.step(8)
+    assert [command.forward for command in robot.commands[5 : 5 + STEPS]] == [-SPEED] * STEPS
+    assert robot.commands[5 + STEPS].forward >= 0.0
+    assert "contact: backing off" in robot.notes()
+
+
+@dataclass(frozen=True)
+class Stays:
+    """A policy that never moves."""
+
+    needs = Needs()
+    claims_homing = True
+    looks: list[int] = field(default_factory=list)
+
+    def start(self, goal: Panorama) -> int:
+        return 0
+
+    def step(self, state: int, current: Panorama) -> tuple[int, HomeVector]:
+        self.looks.append(state)
+        return state + 1, HomeVector(0.0, 0.0)
+
+
+def test_a_policys_leg_counts_looks_and_ends_after_a_round_without_a_new_minimum() -> None:
+    robot = Roamer(pose=Pose2(0.1, 0.0), homing=AlignedHoming(KnowingCompass(), Stays()))
+    robot.travel(0, 40)
+    assert robot.travels[-1].phase is Phase.ARRIVED
+    assert len(robot.travels) == POLICY_REST + 1
+
+
+@dataclass(frozen=True)
+class Wanting:
+    """A method that needs ranges."""
+
+    needs = Needs(ranges=True)
+    claims_homing = True
 
     def describe(self, panorama: Panorama) -> int:
         return 0
 
     def home(self, current: int, goal: int) -> HomeVector:
-        return HomeVector(self.bearing, None, self.confidence)
-
-    def align(self, current: Panorama, goal: Panorama, prior: float | None = None) -> Alignment:
-        return Alignment(0.0, 0.0, HomeVector(self.bearing, None, self.confidence))
+        return HomeVector(0.0)
 
 
-@dataclass(frozen=True)
-class Method:
-    """The same as a method only."""
-
-    fixed: Fixed
-    claims_homing: bool = True
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "needs", self.fixed.needs)
-        object.__setattr__(self, "describe", self.fixed.describe)
-        object.__setattr__(self, "home", self.fixed.home)
-
-
-def mapper() -> Mapper:
-    """A map of one milestone, at its origin."""
-    topo = SimpleNamespace(pose=lambda node: Pose2(), nodes=[None])
-    cache = SimpleNamespace(panorama=lambda node: TellingViews().view(0.0, 0.0, 0.0))
-    return cast(Mapper, SimpleNamespace(map=topo, view_cache=cache, track=SimpleNamespace(raw=Pose2(), turn=0.0)))
-
-
-@pytest.fixture(autouse=True)
-def one_leg(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(traveller.planner, "route", lambda topo, start, goal: [0])
-    monkeypatch.setattr(traveller, "aligned_difference", lambda *_: 0.5)
-
-
-def followed(homing: AlignedHoming, *poses: Pose2, lost: float = 0.0) -> list[Travel]:
-    """What the traveller does at poses on one leg to a milestone at the map's origin."""
-    robot = Traveller(NEVER, homing)
-    seen = TellingViews().view(2.0, 0.0, 0.0)
-    return [robot.step(seen, 0.0, Where(pose, 0, 0.5, lost), GOAL, mapper())[1] for pose in poses]
-
-
-def method(bearing: float, confidence: float = 1.0) -> AlignedHoming:
-    return AlignedHoming(KnowingCompass(), Method(Fixed(bearing, confidence)))
-
-
-FAR, NEAR = Pose2(2.0, 0.0, 0.0), Pose2(0.15, 0.0, 0.0)  # the milestone lies behind
-
-
-@pytest.mark.parametrize("bearing", [math.pi, 2.0, -2.0])
-def test_a_home_vector_that_leads_nearer_is_followed(bearing: float) -> None:
-    assert followed(method(bearing), FAR)[0].home == HomeVector(bearing)
-
-
-def test_one_that_leads_away_is_not_and_the_rest_of_the_leg_goes_by_the_map() -> None:
-    travels = followed(method(0.5), FAR, NEAR, Pose2(0.0, 1.0, 0.0))
-    bearings = [travel.home.bearing for travel in travels if travel.home]
-    assert bearings == pytest.approx([math.pi, math.pi, -math.pi / 2])
-    assert [travel.home.confidence for travel in travels if travel.home] == [0.0] * 3
-
-
-def test_near_the_milestone_and_when_lost_the_map_is_not_asked() -> None:
-    assert followed(method(0.5), NEAR)[0].home == HomeVector(0.5)
-    assert followed(method(0.5), FAR, lost=0.9)[0].home == HomeVector(0.5)
-
-
-def test_where_a_method_says_nothing_the_map_leads_and_the_method_may_speak_again() -> None:
-    assert followed(method(0.0, 0.0), NEAR)[0].home == HomeVector(math.pi, None, 0.0)
-    quiet = followed(method(0.0, 0.0), FAR, NEAR)
-    assert [travel.home.bearing for travel in quiet if travel.home] == pytest.approx([math.pi, math.pi])
-
-
-def test_a_leg_that_homing_gave_up_is_tried_again_by_the_map(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(traveller, "LEG_STEPS", 5)
-    robot, seen = Traveller(NEVER, method(2.0)), TellingViews().view(2.0, 0.0, 0.0)
-    travels = [robot.step(seen, 0.0, Where(FAR, 0, 0.5, 0.0), GOAL, mapper())[1] for _ in range(8)]
-    assert [travel.home.bearing for travel in travels[:5] if travel.home] == pytest.approx([2.0] * 5)
-    assert "given up" in travels[5].note
-    assert [travel.home.bearing for travel in travels[6:] if travel.home] == pytest.approx([math.pi] * 2)
-
-
-def test_what_aligns_and_homes_at_once_is_followed_even_unsure() -> None:
-    assert followed(AlignedHoming(Fixed(0.5)), FAR)[0].home == HomeVector(0.5)
-    assert followed(AlignedHoming(Fixed(0.5, 0.0)), FAR)[0].home == HomeVector(0.5, None, 0.0)
-
-
-def test_a_lack_is_said_at_the_first_view_of_the_lesson_only() -> None:
-    robot = Traveller(NEVER, AlignedHoming(KnowingCompass(), Method(Fixed(0.0, ranges=True))))
-    blind, seeing = Panorama(np.zeros((2, 360, 3), np.uint8), None, RIG), TellingViews().view(0.0, 0.0, 0.0)
-    here = Where(Pose2(), 0, 0.0, 0.0)
+def test_a_lack_is_said_at_the_first_view_of_the_lesson() -> None:
+    traveller = Traveller(TravelSettings(), AlignedHoming(KnowingCompass(), Wanting()))
+    blind = Panorama(np.zeros((2, 360, 3), np.uint8), None, RIG)
+    robot = Roamer()
     with pytest.raises(DataError, match="needs measured ranges"):
-        robot.step(blind, 0.0, here, Goal(Phase.TEACH), mapper())
-    later = Traveller(NEVER, AlignedHoming(KnowingCompass(), Method(Fixed(0.0, ranges=True))))
-    later.step(seeing, 0.0, here, Goal(Phase.TEACH), mapper())
-    later.step(blind, 0.0, here, Goal(Phase.TEACH), mapper())
-
-
-def test_a_policys_leg_counts_looks_and_ends_after_a_round_without_a_new_minimum(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr(arrival, "MINIMUM_BELOW", 0.55)
-
-    class Stays:
-        needs = Needs()
-        claims_homing = True
-
-        def start(self, goal: Panorama) -> int:
-            return 0
-
-        def step(self, state: int, current: Panorama) -> tuple[int, HomeVector]:
-            return state + 1, HomeVector(0.0, 0.0)
-
-    robot = Traveller(NEVER, AlignedHoming(KnowingCompass(), Stays()))
-    seen, where = TellingViews().view(0.0, 0.0, 0.0), Where(Pose2(), 0, 0.5, 0.0)
-    travels = [robot.step(seen, 0.0, where, GOAL, mapper())[1] for _ in range(14)]
-    arrived = next((k for k, travel in enumerate(travels) if travel.phase is Phase.ARRIVED), None)
-    assert arrived == traveller.POLICY_REST
+        traveller.step(Senses(0, blind), Where(Pose2(), 0, 0.0, 0.0), Goal(Phase.TEACH), robot._mapper())

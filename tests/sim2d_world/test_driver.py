@@ -8,11 +8,14 @@ import pytest
 
 from sim2d import worlds
 from sim2d.body import Body
-from sim2d.config import BodyConfig, DriverConfig
-from sim2d.driver import Driver
+from sim2d.config import BodyConfig, DriverConfig, SimConfig
+from sim2d.driver import STUCK_S, Driver
+from sim2d.errors import WorldError
 from sim2d.path import of_route
+from sim2d.robot import SimRobot
 from sim2d.shapes import Ground, Look, Route, Spec
 from sim2d.world import World
+from sim2d.world_room import room_corridor
 
 
 def drive(world: World, route: Route, laps: float | None = None) -> tuple[Driver, float, bool]:
@@ -58,3 +61,28 @@ def test_the_small_worlds_are_driven_without_contact(name: str) -> None:
     assert driver.done
     assert not contact
     assert off < 0.25
+
+
+def test_a_driver_who_makes_no_way_is_stuck_after_two_minutes() -> None:
+    body = BodyConfig()
+    driver = Driver(of_route(room_corridor().route), DriverConfig(), body)
+    x, y = driver.path.at(0.0)
+    calls = 0
+    while not driver.stuck and calls < 2000:
+        driver.command(x, y, 0.0)
+        calls += 1
+    assert calls * body.step == pytest.approx(STUCK_S, abs=3 * body.step)
+    driver.command(*driver.path.at(0.4), 0.0)
+    assert not driver.stuck, "way is made"
+
+
+def test_a_route_that_cannot_be_driven_ends_in_one_line() -> None:
+    config = SimConfig(driver=DriverConfig(lateral_offset=3.0))
+    robot = SimRobot(World(room_corridor()), config, 0)
+
+    def all_the_way() -> None:
+        for _ in range(20 * robot.expected_steps):
+            robot._move()
+
+    with pytest.raises(WorldError, match=r"stuck for 120 s at x = .*: the route can't be driven so"):
+        all_the_way()

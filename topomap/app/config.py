@@ -15,6 +15,7 @@ from sim2d.config import SimConfig
 from topomap.core.errors import ConfigError
 from topomap.mapping.mapper import MapperSettings
 from topomap.navigation.manoeuvres.active_check import ActiveSettings
+from topomap.navigation.manoeuvres.hall_course import HallSettings
 from topomap.navigation.mission import MissionSettings
 from topomap.navigation.traveller import TravelSettings
 
@@ -30,6 +31,7 @@ class StackConfig(BaseModel, frozen=True, extra="forbid"):
     mission: MissionSettings = MissionSettings()
     travel: TravelSettings = TravelSettings()
     active: ActiveSettings = ActiveSettings()
+    hall: HallSettings = HallSettings()
 
 
 class RunConfig(BaseModel, frozen=True, extra="forbid"):

@@ -31,7 +31,7 @@ def export_run(log: Path, out: Path, tum: bool, g2o: bool) -> tuple[list[Path], 
     topo = _map_of(run, log.with_suffix(".topomap")) if g2o else None
     written = write_tum(run, out) if tum else []
     if topo is not None:
-        written += _write(out, {"map.g2o": g2o_text(topo), "map-nodes.csv": nodes_text(topo)})
+        written += write_texts(out, {"map.g2o": g2o_text(topo), "map-nodes.csv": nodes_text(topo)})
     return written, "" if run.log_state == "whole" else f"{run.log_state}: {run.log_note}"
 
 
@@ -50,10 +50,11 @@ def write_tum(run: RunData, out: Path) -> list[Path]:
         f"{name}.tum": f"# {TUM_COLUMNS}\n# {frame}\n{tum_rows(run.stamps_ns, poses)}"
         for name, (poses, frame) in trajectories(run).items()
     }
-    return _write(out, texts)
+    return write_texts(out, texts)
 
 
-def _write(out: Path, texts: dict[str, str]) -> list[Path]:
+def write_texts(out: Path, texts: dict[str, str]) -> list[Path]:
+    """Write texts into a folder by file name; return the files. Raises DataError."""
     try:
         for name, text in texts.items():
             write_whole(out / name, text)

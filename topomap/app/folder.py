@@ -75,6 +75,7 @@ class RunFolder:
         if there and not self.force:
             raise DataError(
                 f"{self.path}: holds a run already ({', '.join(there)}); choose another --out or give --force"
+                " (Python: force=True)"
             )
 
     def clear(self) -> None:

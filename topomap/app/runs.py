@@ -20,6 +20,7 @@ from sim2d.robot import SimRobot
 from topomap.app.config import RunConfig
 from topomap.app.folder import RunFolder
 from topomap.app.interrupt import Stop, stop_on_signal
+from topomap.app.saved_map import SavedMap, begun_with, write_truths
 from topomap.app.stored_config import parse_stored
 from topomap.app.warm_up import warm_up
 from topomap.app.wiring import build_navigator, versions
@@ -30,6 +31,7 @@ from topomap.core.run_data import RunData, TrueCalibration
 from topomap.evaluation.summary import summarise, write_summary
 from topomap.mapping.graph import TopoMap
 from topomap.mapping.mapfile import save_map
+from topomap.mapping.sessions.condense import condense
 from topomap.navigation.navigator import Navigator
 from topomap.navigation.runner import run
 from topomap.recording.encode import run_header
@@ -47,7 +49,8 @@ STEPS_SPARE, STEPS_RATIO = 5000, 20
 class RunResult:
     """A finished run: its folder, its summary, whether it was interrupted, the files it wrote, and notes for people.
 
-    signal: the one that interrupted it; fault: what ended it before its time; doubt: what its log lacks.
+    signal: the one that interrupted it; fault: what ended it before its time; doubt: what its log lacks; failure: why
+    its mission couldn't be.
     """
 
     folder: RunFolder
@@ -58,20 +61,23 @@ class RunResult:
     signal: int | None = None
     fault: str = ""
     doubt: str = ""
+    failure: str = ""
 
 
 def open_world(name: str, seed: int, config: RunConfig) -> SimRobot:
     """Return the robot in a named world. Raises DataError for an unknown world."""
     try:
-        return SimRobot(worlds.load(name), config.sim, seed)
+        return SimRobot(worlds.load(name, config.sim.textures), config.sim, seed)
     except WorldError as error:
         raise DataError(str(error)) from error
 
 
-def run_world(robot: SimRobot, seed: int, config: RunConfig, folder: RunFolder, progress: Progress) -> RunResult:
-    """Drive, map, close loops and go home in a simulated world; write log, map, summary and report.
+def run_world(
+    robot: SimRobot, seed: int, config: RunConfig, folder: RunFolder, progress: Progress, saved: SavedMap | None = None
+) -> RunResult:
+    """Drive, map, close loops and travel in a simulated world; write log, map, summary and report.
 
-    Raises RobotFault, when all is written, where the drive failed.
+    saved: a map to go on with. Raises RobotFault, when all is written, where the drive failed.
     """
     known = robot.true_calibration
     header = run_header(
@@ -85,7 +91,7 @@ def run_world(robot: SimRobot, seed: int, config: RunConfig, folder: RunFolder, 
         robot.world.plan(),
     )
     most = STEPS_SPARE + STEPS_RATIO * robot.expected_steps
-    return execute(robot, robot, header, config, folder, progress, most)
+    return execute(robot, robot, header, config, folder, progress, most, saved=saved)
 
 
 def replay_log(stored: StoredRun, folder: RunFolder, progress: Progress) -> RunResult:
@@ -93,7 +99,8 @@ def replay_log(stored: StoredRun, folder: RunFolder, progress: Progress) -> RunR
     robot = stored.robot
     doubt = "" if robot.state.whole else f"{robot.state.word}: {robot.state.note}"
     try:
-        result = execute(robot, robot, replace(robot.header, replayed=True), stored.config, folder, progress)
+        header = replace(robot.header, replayed=True)
+        result = execute(robot, robot, header, stored.config, folder, progress, saved=stored.saved)
     finally:
         robot.close()
     return replace(result, notes=stored.notes, doubt=doubt)
@@ -140,30 +147,36 @@ class _Watch:
 
 def execute(
     robot: Robot, truth: TruthSource | None, header: Header, config: RunConfig, folder: RunFolder, progress: Progress,
-    most_steps: int | None = None, meet: Meet | None = None,
+    most_steps: int | None = None, meet: Meet | None = None, saved: SavedMap | None = None,
 ) -> RunResult:  # fmt: skip
     """Run with a log that is closed whatever happens, then write map, summary and report.
 
     truth: goes into the log, where there is one; the stack never sees it; meet: is given what writes a warning into the
-    log, and what says that the run shall end. Raises DataError, and RobotFault where the run failed, when all is
-    written that can be.
+    log, and what says that the run shall end; saved: a map to go on with. Raises DataError, and RobotFault where the
+    run failed, when all is written that can be.
     """
     with folder.owned(), stop_on_signal() as stopped:
         folder.clear()
         warm_up(config.stack)
-        navigator = build_navigator(config.stack)
-        fault = _logged(robot, truth, header, config, folder, progress, most_steps, meet, navigator, stopped)
-        return _concluded(folder, stopped, fault)
+        begun = tuple(saved.attachments()) if saved else ()
+        navigator = build_navigator(config.stack, saved=saved)
+        fault = _logged(robot, truth, header, config, folder, progress, most_steps, meet, navigator, stopped, begun)
+        result = _concluded(folder, stopped, fault)
+        write_truths(read_run(folder.log), navigator.mapper.map, saved, folder.map)
+        return replace(result, failure=navigator.failure)
 
 
 def _logged(
     robot: Robot, truth: TruthSource | None, header: Header, config: RunConfig, folder: RunFolder, progress: Progress,
     most_steps: int | None, meet: Meet | None, navigator: Navigator, stopped: Stop,
+    begun: tuple[tuple[str, str, bytes], ...],
 ) -> str:  # fmt: skip
     """Run with an open log, end the map; return what ended the run before its time, nothing where nothing did."""
     faults: list[str] = []
     try:
         with Recorder.of(folder.log, header, config.log) as recorder:
+            for attachment in begun:
+                recorder.attach(*attachment)
             watch = _Watch(RunRecorder(recorder, lambda: map_now(navigator.mapper.map), truth), progress)
             began = time.perf_counter()
             if meet is not None:
@@ -211,15 +224,17 @@ def _finish(navigator: Navigator, watch: _Watch, seconds: float, folder: RunFold
     said = len(navigator.mapper.ledger.decisions)
     navigator.mapper.finish(watch.last.stamp_ns)
     unsaid = tuple(navigator.mapper.ledger.decisions[said:])
-    save_map(navigator.mapper.map, folder.map)
     final = _final_map(navigator, watch.last, watch.steps / seconds)
+    if navigator.mapper.map.view != "full":
+        condense(navigator.mapper.map)
+    save_map(navigator.mapper.map, folder.map)
     watch.recorder.finish(replace(final, decisions=unsaid, fault=fault))
 
 
 def _final_map(navigator: Navigator, last: StepRecord, steps_per_s: float) -> FinalMap:
     mapper = navigator.mapper
     topo = mapper.map
-    stamps, poses = topo.trajectory()
+    stamps, poses = topo.trajectory(mapper.first)
     travel = last.travel.phase
     asked = last.goal.phase is Phase.TRAVEL
     return FinalMap(
@@ -253,6 +268,7 @@ class StoredRun:
     robot: ReplayRobot
     config: RunConfig
     notes: tuple[str, ...]
+    saved: SavedMap | None = None
 
 
 def open_log(path: Path, settings: Iterable[str] = ()) -> StoredRun:
@@ -271,7 +287,7 @@ def open_log(path: Path, settings: Iterable[str] = ()) -> StoredRun:
                 f"--set {word}: a replay takes settings of the stack alone (stack.*), the drive is history"
             )
     config, notes = parse_stored(_stored(robot, path), f"{path}: its stored configuration", words)
-    return StoredRun(robot, config, notes)
+    return StoredRun(robot, config, notes, begun_with(robot, config.stack.mission))
 
 
 def _stored(robot: ReplayRobot, path: Path) -> dict[str, Any]:

@@ -52,7 +52,15 @@ class RunTask:
         """Return all that decides the run: world with every file it rests on, seed, settings, versions and code."""
         files = [hashlib.sha256(path.read_bytes()).hexdigest() for path in sources(self.world)]
         return json.dumps(
-            [Path(self.world).name, files, self.seed, self.config.resolved(), versions(), _code(), str(self.folder)]
+            [
+                Path(self.world).name,
+                files,
+                self.seed,
+                self.config.resolved(),
+                versions(),
+                source_digest(),
+                str(self.folder),
+            ]
         )
 
     def perform(self) -> dict[str, Any]:
@@ -114,7 +122,8 @@ def write_sweep(found: Sequence[SweptRun], out: Path) -> tuple[Path, ...]:
 
 
 @cache
-def _code() -> str:
+def source_digest() -> str:
+    """Return a digest of all code that decides a run."""
     return digest_files(
         Path(topomap.__file__).parents[1], ("topomap/**/*.py", "sim2d/**/*.py", "sim2d/**/*.toml", "logs/**/*.py")
     )

@@ -1,4 +1,4 @@
-"""Commands that measure: bench homing."""
+"""Commands that measure: bench homing, study, places, looks."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from topomap.cli.console import console, grid, progress, show_wide
+from topomap.cli.words import SETTINGS
 
 if TYPE_CHECKING:
     from topomap.bench.homing.bench import Table
@@ -109,6 +110,19 @@ def study(
 
 
 @benches.command()
+def mission(
+    out: Path = typer.Option(Path("docs") / "THESIS.md", help="File for the table."),
+) -> None:
+    """Write the table of the thesis: every method, figure and table, how it is called, its test, both figures."""
+    from topomap.evaluation.summary import write_whole
+    from topomap.experiments.mission import mission_table
+
+    out.parent.mkdir(parents=True, exist_ok=True)
+    write_whole(out, mission_table())
+    console.print(str(out), soft_wrap=True)
+
+
+@benches.command()
 def places(
     folder: Path = typer.Argument(help="Folder of photographs along a route: training.csv and its path."),
     spacing: int = typer.Option(30, min=2, help="Every so-manieth image is the map."),
@@ -141,8 +155,59 @@ def places(
             console.print(f"Left out, {s.unfit}: {s.aligner}")
 
 
+@benches.command()
+def looks(
+    worlds: list[str] = typer.Argument(help="Named worlds, world files or floor plans."),
+    seeds: str = typer.Option("0-4", help="Seeds, e.g. 0-9, 3 or 0,2,5."),
+    settings: list[str] = SETTINGS,
+    vary: list[str] = typer.Option(
+        [], metavar="SECTION.KEY=[A, B]", help="Values of a setting, e.g. sim.driver.lateral_offset=[0, 0.3]."
+    ),
+    jobs: int | None = typer.Option(None, min=1, help="Processes [all cores]."),
+    fresh: bool = typer.Option(False, "--fresh", help="Measure anew what is known already."),
+    out: Path = typer.Option(OUT / "looks", help="Folder for table and curve."),
+) -> None:
+    """How well looks tell places seen again from look-alikes: calibration curve, and weights fitted anew."""
+    from topomap.app import look_bench
+    from topomap.app.sweep import variants
+    from topomap.app.words import cores, parse_seeds
+    from topomap.bench.looks.fit import curves
+    from topomap.bench.pool import Store, default_folder
+
+    tasks = look_bench.plan(worlds, parse_seeds(seeds), settings, variants(vary, None))
+    store = Store(None if fresh else default_folder())
+    with progress("looks", len(tasks)) as advance:
+        rows = look_bench.run_looks(tasks, store, jobs or cores(), advance)
+    found = curves(rows).items()
+    lines = [(name, f"{one.count.sum():.0f}", f"{one.error:.3f}") for name, one in found]
+    _table("looks", ("world", "candidates", "calibration error"), lines)
+    for path in look_bench.write_looks(rows, out):
+        console.print(str(path), soft_wrap=True)
+
+
 def _table(title: str, headings: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> None:
     shown = grid(title, headings)
     for row in rows:
         shown.add_row(*row)
     show_wide(shown)
+
+
+@benches.command()
+def journeys(
+    worlds: str = typer.Option("room-corridor", help="Worlds by name or file, comma-separated."),
+    seeds: str = typer.Option("0", help="Seeds of drift, noise and starts, e.g. 0-4."),
+    textures: str = typer.Option("0", help="Seeds of the worlds' looks, e.g. 0-2."),
+    kinds: str = typer.Option("none", help="'all' or what goes wrong, comma-separated, e.g. none,turned,carried."),
+    count: int = typer.Option(1, min=1, help="Journeys of each kind from every lesson."),
+    goal: int = typer.Option(0, min=0, help="Node to travel to from the lesson's end."),
+    settings: list[str] = typer.Option([], "--set", metavar="KEY=VALUE", help="Setting; may repeat."),
+    out: Path = typer.Option(OUT / "journeys", help="Folder for the JSON."),
+) -> None:
+    """Teach each world once and travel many times: homecomings, false arrivals, collisions, ways and speeds."""
+    from topomap.app import journey_bench as bench
+
+    asked = bench.request(worlds, seeds, textures, kinds, count, goal, settings)
+    with progress("journeys", asked.steps) as advance:
+        made = bench.travel_all(asked, advance)
+    _table("journeys", bench.HEADINGS, bench.rows(made))
+    console.print(str(bench.write(made, out)), soft_wrap=True)

@@ -1,4 +1,4 @@
-"""Commands that map recordings: map FOLDER, map tuc."""
+"""Commands on maps: FOLDER and tuc, which map a recording; info, places, merge, prune, export of a saved map."""
 
 from __future__ import annotations
 
@@ -9,12 +9,16 @@ from typing import TYPE_CHECKING
 import typer
 from typer.core import TyperGroup
 
-from topomap.cli.console import console, progress
+from topomap.cli.console import console, progress, share, table
 from topomap.cli.run_commands import show
 from topomap.cli.words import CONFIG, FORCE, SETTINGS
 
 if TYPE_CHECKING:
     from typer._click.core import Command, Context  # typer's own copy of click: for the types alone
+
+    from topomap.app.maps import Written
+
+MAP = typer.Argument(help="Map file, as runs/a/run.topomap.", metavar="MAP")
 
 
 class _FolderOrCommand(TyperGroup):
@@ -27,7 +31,8 @@ class _FolderOrCommand(TyperGroup):
 
 mapping = typer.Typer(
     cls=_FolderOrCommand,
-    help="Map a recording of a real robot: map FOLDER, or map KIND FOLDER.",
+    help="Map a recording of a real robot (map FOLDER, or map KIND FOLDER), or look at saved maps, name places, merge, "
+    "prune and export them. A map is travelled on by `topomap run WORLD --map MAP --mission ...`.",
     no_args_is_help=True,
     rich_markup_mode=None,
 )
@@ -65,6 +70,71 @@ def drive(
     with progress(recorded.name, len(recorded.table)) as advance:
         result = recordings.map_drive(recorded, folder, chosen, advance, made_odometry)
     show(result)
+
+
+@mapping.command()
+def info(path: Path = MAP) -> None:
+    """Show what a map holds: nodes, way, closures, views, size, calibration, places."""
+    from topomap.app import maps
+
+    table(maps.describe(path), str(path))
+
+
+@mapping.command()
+def places(
+    path: Path = MAP,
+    add: list[str] = typer.Option([], metavar="NAME=NODE", help="Name a snapshot node; may repeat."),
+    remove: list[str] = typer.Option([], metavar="NAME", help="Take a name away; may repeat."),
+) -> None:
+    """List the named places of a map, which goto:NAME and patrol:NAME,... take; name some, or take names away."""
+    from topomap.app import maps
+
+    table(maps.places(path, add, remove), str(path))
+
+
+@mapping.command()
+def merge(
+    first: Path = typer.Argument(help="Map whose frame and node numbers stay.", metavar="A"),
+    second: Path = typer.Argument(help="Map of a drive that overlaps.", metavar="B"),
+    out: Path = typer.Option(..., help="The new map file."),
+) -> None:
+    """Join two maps whose routes overlap; each closure between them is weighed by the closure engine."""
+    from topomap.app import maps
+
+    with share("merging") as told:
+        done = maps.merge_files(first, second, out, told)
+    _tell(done, str(out))
+
+
+@mapping.command()
+def prune(
+    path: Path = MAP,
+    out: Path | None = typer.Option(None, help="The new map file [the same]."),
+) -> None:
+    """Leave out nodes that add nothing: ground that older views show as well. Numbers and places stay."""
+    from topomap.app import maps
+
+    with share("pruning") as told:
+        done = maps.prune_file(path, out or path, lambda done: told(done, "comparing views"))
+    _tell(done, str(path))
+
+
+@mapping.command()
+def export(
+    path: Path = MAP,
+    out: Path | None = typer.Option(None, help="Folder for the files [beside the map]."),
+) -> None:
+    """Write a map as g2o, TUM, JSON and GeoJSON (in metres) for programs, and as a PNG for people."""
+    from topomap.app import maps
+
+    _tell(maps.export_map(path, out or path.parent), str(path))
+
+
+def _tell(done: Written, title: str) -> None:
+    if done.rows:
+        table(done.rows, title)
+    for path in done.files:
+        console.print(str(path), soft_wrap=True)
 
 
 @mapping.command()

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from topomap.cli.console import INTERRUPTED, doubt, progress, say, table
-from topomap.cli.words import CONFIG, FORCE, PARTIAL, SETTINGS
+from topomap.cli.console import INTERRUPTED, doubt, fail, progress, say, table
+from topomap.cli.words import CONFIG, FORCE, KINDS, PARTIAL, SETTINGS
 from topomap.core.errors import RobotFault
 
 if TYPE_CHECKING:
@@ -32,19 +32,31 @@ def run(
     settings: list[str] = SETTINGS,
     out: Path | None = typer.Option(None, help="Folder for log, map, summary and report [runs/WORLD-SEED]."),
     force: bool = FORCE,
+    mission: str | None = typer.Option(None, help=f"What to do: {KINDS} [teach, then home]."),
+    map_file: Path | None = typer.Option(None, "--map", help="Saved map to go on with, as run.topomap."),
+    start: str | None = typer.Option(None, help="On a saved map: node or place where the robot is put [unknown]."),
+    at: str | None = typer.Option(None, help="Where the simulator puts it: X,Y[,DEGREES], or a place of the world."),
 ) -> None:
-    """Drive a simulated world, map it, close loops, go home; write log, map, summary and report."""
+    """Drive a simulated world, map it, close loops, travel; write log, map, summary and report.
+
+    On a saved map the robot goes on a mission at once; --mission teach lets the driver show it more.
+    """
     from topomap.app import runs
-    from topomap.app.config import load_config
     from topomap.app.folder import RunFolder
+    from topomap.app.missions import mission_config
+    from topomap.app.saved_map import SavedMap
     from topomap.core.names import safe_name
 
-    chosen = load_config(config, settings)
+    chosen = mission_config(config, settings, mission, map_file is not None, start, at)
+    saved = SavedMap.open(map_file, chosen.stack.mission) if map_file else None
     robot = runs.open_world(world, seed, chosen)
     folder = RunFolder.create(out or Path("runs") / f"{safe_name(robot.world.name)}-{seed}", force=force)
     with progress(robot.world.name, robot.expected_steps) as advance, told_faults():
-        result = runs.run_world(robot, seed, chosen, folder, advance)
+        result = runs.run_world(robot, seed, chosen, folder, advance, saved)
     show(result)
+    if result.failure:
+        fail(result.failure)
+        raise typer.Exit(2)
 
 
 def replay(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import typer
 
+KINDS = "teach, home, goto:NODE, goto:PLACE, patrol:A,B,... or hall"
 CONFIG = typer.Option(None, help="TOML file with settings, e.g. examples/my.toml; 'topomap config show' lists them.")
 SETTINGS = typer.Option(
     [],

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import struct
+
 import cv2
 import numpy as np
 
@@ -25,3 +27,23 @@ def encode(image: Image, quality: int | None = None) -> bytes:
     if quality is None:
         return cv2.imencode(".png", bgr)[1].tobytes()
     return cv2.imencode(".jpg", bgr, (cv2.IMWRITE_JPEG_QUALITY, quality))[1].tobytes()
+
+
+def image_size(encoded: bytes) -> tuple[int, int] | None:
+    """Return width and height [pixels] of PNG or JPEG bytes by their headers, undecoded; None for anything else."""
+    if encoded[:8] == b"\x89PNG\r\n\x1a\n" and len(encoded) >= 24:
+        width, height = struct.unpack(">II", encoded[16:24])
+        return width, height
+    return _jpeg_size(encoded) if encoded[:2] == b"\xff\xd8" else None
+
+
+def _jpeg_size(encoded: bytes) -> tuple[int, int] | None:
+    """Return the size that the frame header of a JPEG image says: the marker SOFn, after others of known length."""
+    place = 2
+    while place + 9 <= len(encoded) and encoded[place] == 0xFF:
+        marker, length = encoded[place + 1], int.from_bytes(encoded[place + 2 : place + 4], "big")
+        if 0xC0 <= marker <= 0xCF and marker not in (0xC4, 0xC8, 0xCC):
+            height, width = struct.unpack(">HH", encoded[place + 5 : place + 9])
+            return width, height
+        place += 2 + length
+    return None

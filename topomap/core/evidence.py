@@ -12,8 +12,9 @@ class Evidence:
 
     difference: of the images, and limit above which nothing would have been proposed; cost of the alignment and its
     ratio to the best rival's; share of the rays that fit; sigmas: how far off the map it is, as a Mahalanobis distance;
-    odds: log odds of true over false; support: summed similarity of neighbours that agree over what is needed; active:
-    1 if an active check speaks for it; other: values under names that this version doesn't know (older logs).
+    odds: log odds of true over false, looks: what of them is by looks; support: summed similarity of neighbours that
+    agree over what is needed; active: 1 if an active check speaks for it; other: values under names
+    that this version doesn't know (older logs).
     """
 
     difference: float | None = None
@@ -25,6 +26,7 @@ class Evidence:
     odds: float | None = None
     support: float | None = None
     active: float | None = None
+    looks: float | None = None
     other: tuple[tuple[str, float], ...] = ()
 
     def measured(self) -> dict[str, float]:

@@ -55,6 +55,7 @@ class RunData:
     first_closure: panoramas (as recorded) some steps before and at the first accepted closure, and of its match;
     stage_ms: milliseconds (N,) by stage of the step, NaN where none was logged;
     trust: what the finished map makes of its evidence;
+    earlier: true poses (3,) of nodes that the run's map had before it, by stamp;
     milestones: the node ids of the planned route home; claimed: the robot said that it arrived; goal_node: where it was
     sent; fault: what ended the run before its time; log_state, log_note: whether all that was written of it was there
     to be read ("whole"), and what was not.
@@ -94,5 +95,6 @@ class RunData:
     log_note: str = ""
     steps_per_s: float | None = None
     stage_ms: Mapping[str, FloatArray] = field(default_factory=dict)
+    earlier: Mapping[int, FloatArray] = field(default_factory=dict)
     false_distance_m: float = 1.0
     gross_distance_m: float = 5.0

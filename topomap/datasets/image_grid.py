@@ -59,9 +59,11 @@ class GridSpec(BaseModel, frozen=True, extra="forbid"):
 
 ANTWORLD = GridSpec(
     csv="grid.csv", x="X [mm]", y="Y [mm]", heading="Heading [degrees]", file="Filename", unit_m=0.001,
-    convention="cw-from-y",
+    convention="cw-from-y", horizon_row=119.5,
 )  # fmt: skip
-"""What efkag's AntWorld data sets are; they are known by the header of their CSV file."""
+"""What efkag's AntWorld data sets are; they are known by the header of their CSV file. Eye level is far below the
+middle row: with row 74.5 min-warping is off by 51 deg within 0.5 m, with 119.5 by 25.
+"""
 ANTWORLD_HEADER = "X [mm],Y [mm],Z [mm],Heading [degrees],Filename"
 
 

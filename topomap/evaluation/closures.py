@@ -11,7 +11,7 @@ from topomap.core.arrays import BoolArray, FloatArray
 from topomap.core.geometry import wrap
 from topomap.core.records import UNKNOWN_HEADING, Candidate, Decision, Verdict
 from topomap.core.run_data import RunData
-from topomap.evaluation.trajectory import step_at, travel
+from topomap.evaluation.trajectory import step_at, travel, true_pose
 
 # what a false closure misses by, one of them at least [m, rad]; a recording may state another distance
 FALSE_DISTANCE, FALSE_ROTATION = 1.0, math.radians(20.0)
@@ -110,8 +110,7 @@ def judge(run: RunData, candidate: Candidate) -> Judgement | None:
     """
     if run.truth is None:
         return None
-    query = run.truth[step_at(run.stamps_ns, candidate.query_ns)]
-    match = run.truth[step_at(run.stamps_ns, candidate.match_ns)]
+    query, match = true_pose(run, candidate.query_ns), true_pose(run, candidate.match_ns)
     distance = math.hypot(query[0] - match[0], query[1] - match[1])
     if math.isnan(distance):
         return None
@@ -140,9 +139,10 @@ def passes(run: RunData) -> tuple[Pass, ...]:
     path, places = travel(run.truth), run.truth[:, :2]
     found: list[Pass] = []
     for node in (node for node in run.nodes if node.snapshot):
-        at = step_at(run.stamps_ns, node.stamp_ns)
-        late = int(np.searchsorted(path, path[at] + PASS_TRAVEL_M))
-        gaps = places[late:] - places[at]
+        late = 0  # a node of an earlier drive can be passed from the first step on
+        if node.stamp_ns >= run.stamps_ns[0]:
+            late = int(np.searchsorted(path, path[step_at(run.stamps_ns, node.stamp_ns)] + PASS_TRAVEL_M))
+        gaps = places[late:] - true_pose(run, node.stamp_ns)[:2]
         near = (gaps**2).sum(axis=1) <= PASS_RADIUS_M**2
         found += [Pass(node.node, late + first, late + last) for first, last in runs_of(near)]
     return tuple(found)

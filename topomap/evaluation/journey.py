@@ -10,7 +10,7 @@ import numpy as np
 from topomap.core.arrays import FloatArray
 from topomap.core.run_data import NodeData, RunData
 from topomap.evaluation.closures import runs_of
-from topomap.evaluation.trajectory import step_at, travel
+from topomap.evaluation.trajectory import travel, true_pose
 
 REACHED_M = 0.3
 
@@ -59,8 +59,7 @@ def reference_route(run: RunData) -> FloatArray | None:
         return None
     stamps = {node.node: node.stamp_ns for node in run.nodes}
     route = [stamps[node] for node in run.milestones if node in stamps and node != end.node] + [end.stamp_ns]
-    steps = [start, *(step_at(run.stamps_ns, stamp) for stamp in route)]
-    return run.truth[steps, :2]
+    return np.array([run.truth[start, :2], *(true_pose(run, stamp)[:2] for stamp in route)])
 
 
 def home(run: RunData) -> HomeResult:
@@ -78,7 +77,7 @@ def _error(run: RunData) -> float | None:
     end = goal(run)
     if run.truth is None or end is None:
         return None
-    gap = run.truth[-1, :2] - run.truth[step_at(run.stamps_ns, end.stamp_ns), :2]
+    gap = run.truth[-1, :2] - true_pose(run, end.stamp_ns)[:2]
     error = math.hypot(gap[0], gap[1])
     return error if math.isfinite(error) else None
 

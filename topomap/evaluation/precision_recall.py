@@ -23,6 +23,8 @@ HIGH_IS_GOOD = {
     "ratio": False,
     "sigmas": False,
     "odometry": False,
+    "odds": True,
+    "looks": True,
 }
 """Which way each score points. What isn't named here, such as the limit of the moment, is no evidence: no curve."""
 

@@ -61,6 +61,17 @@ def step_at(stamps_ns: IntArray, stamp_ns: int) -> int:
     return before if nearer else after
 
 
+def true_pose(run: RunData, stamp_ns: int) -> FloatArray:
+    """Return the true pose (3,) at the step nearest to a stamp, or of the older node of that stamp; NaN if unknown."""
+    unknown = np.full(3, math.nan)
+    if stamp_ns in run.earlier:
+        return run.earlier[stamp_ns]
+    if run.truth is None or not len(run.truth) or stamp_ns < run.stamps_ns[0]:
+        return unknown
+    pose: FloatArray = run.truth[step_at(run.stamps_ns, stamp_ns)]
+    return pose
+
+
 def align(estimate: FloatArray, truth: FloatArray, scale: bool = False) -> Similarity:
     """Return the least-squares similarity of estimate (N, 2) onto truth (N, 2), with scale 1 unless asked.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from topomap.experiments import (
     conditions,
     converging,
+    hall,
     images,
     masks_score,
     moments,
@@ -23,7 +24,16 @@ LAB, ORIGINAL = ("ourlab",), ("a1original",)
 STUDIES: dict[str, Study] = {
     study.name: study
     for study in (
-        Study("dimension", "3.9-3.12, 3.24, 3.30", "which order of the moment is best?", LAB, moments.dimension),
+        Study("dimension", "3.24", "which order of the moment is best?", LAB, moments.dimension),
+        Study(
+            "dimension-pillars", "3.9-3.12", "and among pillars alone?", ("cylinders",), moments.dimension_of_pillars
+        ),
+        Study("dimension-ground", "3.30", "and by the ground line?", ORIGINAL, moments.dimension_by_ground_line),
+        Study("moment-classes", "3.22, 3.26, 3.27, 3.31", "which moment model is best?", ORIGINAL, moments.classes),
+        Study("field-of-view", "2.12, 2.13", "how many rows are wanted?", ORIGINAL, images.field_of_view),
+        Study("masks-one", "4.24, 4.25", "how many masks with one reference?", LAB, images.mask_number_one),
+        Study("mask-blur", "4.34, 4.35", "do masks want a low-pass, and which?", ORIGINAL, images.mask_blur),
+        Study("run-down", "5.27-5.31", "which columns should run down?", ORIGINAL, selection.run_down),
         Study("derivative-or-search", "3.29", "is searching better?", LAB, moments.derivative_or_search),
         Study("convergence-point", "3.4", "where do moments converge, by order?", LAB, converging.convergence),
         Study("potential", "3.13", "what do the moments' potentials look like?", LAB, converging.potential),
@@ -34,9 +44,9 @@ STUDIES: dict[str, Study] = {
         Study("distance", "4.22", "how does the error grow with distance?", ORIGINAL, positions.distance),
         Study("homes", "3.21, 4.21, 5.28, 5.36", "does another home matter?", ORIGINAL, positions.homes),
         Study("occluded-landmarks", "2.11", "what do missing landmarks do?", (), ring.occluded),
-        Study("masks", "4.24-4.32", "how many random masks are enough?", ORIGINAL, images.mask_number),
+        Study("masks", "4.28-4.32", "how many random masks are enough?", ORIGINAL, images.mask_number),
         Study("mask-repetition", "4.34", "how much does the draw of masks decide?", ORIGINAL, images.mask_repetition),
-        Study("bipolar-masks", "4.18-4.22", "levels, size and share of masks?", ORIGINAL, images.bipolar),
+        Study("bipolar-masks", "4.17-4.22", "stages, levels, size and share of masks?", ORIGINAL, images.bipolar),
         Study("reference-spacing", "4.34", "how far off should references be?", ORIGINAL, images.reference_spacing),
         Study("blur", "2.5.3, 4.34", "how much low-pass does DID want?", ORIGINAL, images.blur),
         Study("pixels", "(DTW)", "how many columns, RGB or grey?", ORIGINAL, images.pixel_number),
@@ -55,6 +65,7 @@ STUDIES: dict[str, Study] = {
         ),
         Study("occlusion", "3.34", "does homing bear hidden objects?", (), occlusion.occlusion),
         Study("moved-objects", "3.35, 3.36", "does homing bear moved objects?", (), moved.moved_objects),
+        Study("hall-mission", "5.50, 5.51", "do three methods come home in the hall?", ("hall",), hall.hall_missions),
         Study("delv", "5.33", "which DELV, how fine its distances?", ORIGINAL, images.delv),
     )
 }

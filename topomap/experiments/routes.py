@@ -24,7 +24,7 @@ from topomap.experiments.study import Finding, Lab, row_values
 from topomap.report.figures import style
 from topomap.vision.arena import Arena
 from topomap.vision.contracts import Needs
-from topomap.vision.homing.run_down import FIELDS, RunDown, Selection
+from topomap.vision.homing.run_down import COUNT, FIELDS, RunDown, Selection
 from topomap.vision.homing.view_vector import vector_home
 
 WALL, HALF, SPACING = 6.0, 2.0, 0.5
@@ -58,7 +58,7 @@ In pairs one landmark's image comes to lie on the other's, where the image diffe
 class RouteModel:
     """One of the four fields as a homing method of its own: number 0 .. 3 for M_1 .. M_4 (5.10).
 
-    selection, colour: which columns count and of which channels, as in `RunDown`.
+    selection, colour, count: which columns count and of which channels, as in `RunDown`.
     """
 
     needs: ClassVar[Needs] = Needs(compass=True)
@@ -66,6 +66,7 @@ class RouteModel:
     number: int
     selection: Selection = "all"
     colour: bool = False
+    count: int = COUNT
 
     def describe(self, panorama: Panorama) -> Panorama:
         """Return the view itself: both views are compared column by column."""
@@ -73,7 +74,7 @@ class RouteModel:
 
     def home(self, current: Panorama, goal: Panorama) -> HomeVector:
         """Return the bearing [rad] the field tells in the aligned frame. Raises ShapeError."""
-        x, y = RunDown(self.selection, self.colour).field(current, goal, self.number)
+        x, y = RunDown(self.selection, self.colour, self.count).field(current, goal, self.number)
         return vector_home(x, y, 1.0)
 
 

@@ -9,7 +9,16 @@ from topomap.bench.homing.contestant import Pairwise, view_at
 from topomap.core.arrays import FloatArray
 from topomap.core.panorama import Panorama
 from topomap.experiments.routes import RouteModel
-from topomap.experiments.study import Finding, Lab, away_from_home, draw_bars, row_values
+from topomap.experiments.study import (
+    Finding,
+    Lab,
+    away_from_home,
+    curve_values,
+    draw_bars,
+    draw_curves,
+    error_curve,
+    row_values,
+)
 from topomap.report.figures import style
 from topomap.vision.arena import Arena
 from topomap.vision.homing.run_down import FIELDS, Selection
@@ -17,6 +26,8 @@ from topomap.vision.image.colour_features import horizon
 from topomap.vision.image.pixel_selection import equalised, landmark_count
 
 ROOM = "a1original"
+MODEL = 2
+"""M3, as the thesis follows in fig. 5.27."""
 CHOICES: tuple[tuple[str, Selection], ...] = (("all", "all"), ("chosen", "automatic"))
 
 
@@ -38,6 +49,30 @@ def pixel_selection(lab: Lab) -> Finding:
         "mean_count": round(float(counts.mean()), 2),
         "models": {one.name: row_values(rows[one.name]) for one in variants},
     })  # fmt: skip
+
+
+def run_down(lab: Lab) -> Finding:
+    """Grey without a choice, by threshold, by sorting, and RGB by sorting; and how many columns (5.27-5.31)."""
+    variants = [
+        Pairwise("I grey, all", RouteModel(MODEL)),
+        Pairwise("II grey, threshold", RouteModel(MODEL, "threshold")),
+        Pairwise("III grey, sorting", RouteModel(MODEL, "sorting")),
+        Pairwise("IV RGB, sorting", RouteModel(MODEL, "sorting", True)),
+    ]
+    counts = (50, 100, 200, 300, 450, 600)
+    series = {
+        label: [Pairwise(f"{label} {n}", RouteModel(MODEL, "sorting", colour, n)) for n in counts]
+        for label, colour in (("grey", False), ("RGB", True))
+    }
+    rows = lab.rows(ROOM, [*variants, *(one for several in series.values() for one in several)])
+    figure = style.canvas(12.4, 4.6)
+    left, right = figure.subplots(1, 2)
+    draw_bars(left, f"M{MODEL + 1}, {ROOM}", {one.name: rows[one.name] for one in variants})
+    curves = [error_curve(label, counts, [rows[one.name] for one in several]) for label, several in series.items()]
+    style.dress(right, "columns that count", "columns", "mean angular error [deg]")
+    draw_curves(right, curves)
+    style.legend_below(figure, right, 2)
+    return Finding(figure, {**{one.name: row_values(rows[one.name]) for one in variants}, **curve_values(curves)})
 
 
 def chosen_counts(arena: Arena) -> FloatArray:

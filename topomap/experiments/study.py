@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from topomap.bench.homing.bench import BenchSettings, Row, Table, bench
-from topomap.bench.homing.contestant import Contestant
+from topomap.bench.homing.contestant import GIVEN, Contestant
 from topomap.bench.homing.table import JsonValue
 from topomap.bench.pool import Workers
 from topomap.core.arrays import FloatArray
@@ -41,21 +41,32 @@ class Lab:
         contestants: Sequence[Contestant],
         home: Point | None = None,
         options: tuple[str, ...] = (),
+        compass: str = GIVEN,
     ) -> Table:
         """Return the homing table of contestants in an environment, over the grid only. Raises DataError."""
-        return self.measured(self.recipes(environment, options), contestants, home)
+        return self.measured(self.recipes(environment, options), contestants, home, compass)
 
     def measured(
-        self, recipes: Sequence[Recipe], contestants: Sequence[Contestant], home: Point | None = None
+        self,
+        recipes: Sequence[Recipe],
+        contestants: Sequence[Contestant],
+        home: Point | None = None,
+        compass: str = GIVEN,
     ) -> Table:
         """Return the homing table of contestants over recipes of one environment, over the grid only."""
-        return bench(recipes, home, contestants, BenchSettings(starts=0), self.workers, self.advance)[0]
+        settings = BenchSettings(starts=0, compass=compass)
+        return bench(recipes, home, contestants, settings, self.workers, self.advance)[0]
 
     def rows(
-        self, environment: str, contestants: Sequence[Contestant], options: tuple[str, ...] = ()
+        self,
+        environment: str,
+        contestants: Sequence[Contestant],
+        options: tuple[str, ...] = (),
+        compass: str = GIVEN,
     ) -> dict[str, Row]:
-        """Return the table's rows by the contestants' names. Raises DataError."""
-        return {row.method: row for row in self.table(environment, contestants, options=options).rows}
+        """Return the table's rows by the contestants' names; compass: given, or an aligner's name. Raises DataError."""
+        table = self.table(environment, contestants, options=options, compass=compass)
+        return {row.method: row for row in table.rows}
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,7 @@ import hashlib
 import json
 from bisect import bisect_left
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import networkx as nx
@@ -15,10 +15,14 @@ import numpy as np
 from topomap.core.arrays import Float32Array, FloatArray, IntArray
 from topomap.core.geometry import Pose2, between, compose, wrap_all
 from topomap.core.recorded import RecordedRig
+from topomap.mapping.experience import Experience
 from topomap.mapping.odometry.gap import bridged
 from topomap.mapping.odometry.increments import Calibration, Increments, integrate, track
 from topomap.mapping.odometry.noise import AS_DECLARED, OdometerNoise
 from topomap.mapping.optimizer.problem import ClosureEdge, TurnEdge
+
+BETWEEN_DRIVES_NS = 3_600_000_000_000
+"""[ns] Time set between two drives whose clocks would overlap, as a simulated clock begins anew with each."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,20 +46,30 @@ class Node:
 class TopoMap:
     """Nodes, their poses, odometry edges along the travelled chain, closures, and turns measured between snapshots.
 
-    Node ids count up in the order of creation; `chain` lists them in travel order (a pose node that was inserted
-    later stands between its neighbours). noise: what its odometry's declared variances are taken times; weighings: how
-    often the measured turns were weighed anew. Only Mapper changes a map.
+    Nodes are counted in the order of creation; `chain` lists them in travel order (a pose node that was inserted
+    later stands between its neighbours). Only Mapper changes a map, but for `experience`, which journeys write.
+
+    names: each node's number for people, which stays when others are taken out; places: a name given to a node's
+    number; jumps: nodes that can't be driven to from the one before them on the chain, as another drive begins there,
+    or as the way between was taken out; view: what is kept of a snapshot; noise: what its odometry's declared variances
+    are taken times; weighings: how often the measured turns were weighed anew.
     """
 
     def __init__(self) -> None:
         self.nodes: list[Node] = []
+        self.names: list[int] = []
+        self.places: dict[str, int] = {}
+        self.jumps: set[int] = set()
+        self.view = "full"
         self.chain: list[int] = []
         self.closures: list[ClosureEdge] = []
         self.turns: list[TurnEdge] = []
         self.calibration = Calibration()
         self.noise = AS_DECLARED
         self.weighings = 0
+        self.experience = Experience()
         self.graph: nx.Graph[int] = nx.Graph()
+        self._next_name = 0
         self._poses = np.zeros((64, 3))
         self._increments: dict[tuple[int, int], Increments] = {}
         self._judged: dict[tuple[int, int], Increments] = {}
@@ -73,13 +87,18 @@ class TopoMap:
         """Return the map distance between two nodes [m]."""
         return float(np.hypot(*(self.poses[a, :2] - self.poses[b, :2])))
 
-    def add(self, node: Node, increments: Increments | None) -> int:
-        """Append a node to the chain, `increments` after the last one (None for the first); return its id."""
+    def add(self, node: Node, increments: Increments | None, jump: bool = False) -> int:
+        """Append a node to the chain, `increments` after the last one (None for the first); return its id.
+
+        jump: the way between can't be driven.
+        """
         if increments is None:
             return self._store(node, np.zeros(3), len(self.chain))
         last = self.chain[-1]
         delta, _, _ = integrate(increments, self.calibration)
         new = self._store(node, compose(self.poses[last], delta), len(self.chain))
+        if jump:
+            self.jumps.add(new)
         self._join(last, new, increments)
         return new
 
@@ -138,9 +157,28 @@ class TopoMap:
         self.turns[:] = turns
         self.weighings += 1
 
+    def end_before(self, stamp_ns: int) -> None:
+        """Set all stamps back, as one, so far that another drive can begin at a stamp [ns]; nothing if it can."""
+        last = self.nodes[self.chain[-1]].stamp_ns
+        if last < stamp_ns:
+            return
+        back = last + BETWEEN_DRIVES_NS - stamp_ns
+        self.nodes = [replace(node, stamp_ns=node.stamp_ns - back) for node in self.nodes]
+        for ends, own in self._increments.items():
+            self._increments[ends] = replace(own, stamps_ns=own.stamps_ns - back)
+
+    def node_named(self, name: int) -> int | None:
+        """Return the node of a number for people, None where the map has none of that number."""
+        return self.names.index(name) if name in self.names else None
+
     def odometry_edges(self) -> Iterator[tuple[int, int, Increments]]:
         """Yield (a, b, increments) along the chain, their covariances as judged."""
         return self.edges_from(0)
+
+    def replace_way(self, a: int, b: int, increments: Increments) -> None:
+        """Set the odometry from a node to the next on the chain; it must lead to where the old one did."""
+        self._increments[a, b] = increments
+        self._judged.pop((a, b), None)
 
     def edges_from(self, place: int) -> Iterator[tuple[int, int, Increments]]:
         """Yield (a, b, increments) along the chain from a place in it on, their covariances as judged."""
@@ -167,11 +205,15 @@ class TopoMap:
             poses[node] = compose(poses[before], delta)
         return poses
 
-    def trajectory(self) -> tuple[IntArray, FloatArray]:
-        """Return stamps (K,) and poses (K, 3) of every step up to the last node, on the corrected route."""
-        stamps = [np.array([self.nodes[self.chain[0]].stamp_ns])]
-        poses = [self.poses[self.chain[:1]]]
-        for a, b, increments in self.odometry_edges():
+    def trajectory(self, first: int | None = None) -> tuple[IntArray, FloatArray]:
+        """Return stamps (K,) and poses (K, 3) of every step up to the last node, on the corrected route.
+
+        first: the node to begin at instead of the chain's first.
+        """
+        begin = 0 if first is None else self.chain.index(first)
+        stamps = [np.array([self.nodes[self.chain[begin]].stamp_ns])]
+        poses = [self.poses[self.chain[begin : begin + 1]]]
+        for a, b, increments in self.edges_from(begin):
             stamps.append(increments.stamps_ns)
             poses.append(self._steps(a, b, increments))
         return np.concatenate(stamps), np.concatenate(poses)
@@ -185,6 +227,8 @@ class TopoMap:
         edges = [(c.i, c.j, list(c.relative.array())) for c in self.closures]
         said = [(int(stamp_ns), int(match), verdict, reason) for stamp_ns, match, verdict, reason in verdicts]
         digest.update(json.dumps([self.chain, edges, said]).encode())
+        if self.jumps or self.names != list(range(len(self.nodes))):
+            digest.update(json.dumps([self.names, sorted(self.jumps)]).encode())
         digest.update(np.ascontiguousarray(self.poses).tobytes())
         return digest.hexdigest()
 
@@ -210,6 +254,8 @@ class TopoMap:
         edges: list[Increments],
         closures: list[ClosureEdge],
         turns: list[TurnEdge],
+        names: list[int] | None = None,
+        jumps: set[int] | None = None,
     ) -> None:
         """Fill an empty map with saved contents: edges (len(chain) - 1) along the chain. Raises ValueError."""
         if sorted(chain) != list(range(len(nodes))) or poses.shape != (len(nodes), 3):
@@ -217,6 +263,9 @@ class TopoMap:
         for node, pose in zip(nodes, poses, strict=True):
             self._store(node, pose, len(self.chain))
         self.chain = list(chain)
+        self.names = self.names if names is None else list(names)
+        self._next_name = max(self.names, default=-1) + 1
+        self.jumps = set(jumps or ())
         for a, b, increments in zip(chain, chain[1:], edges, strict=False):
             self._join(a, b, increments)
         for edge in closures:
@@ -228,6 +277,8 @@ class TopoMap:
         if new == len(self._poses):
             self._poses = np.concatenate([self._poses, np.zeros_like(self._poses)])
         self.nodes.append(node)
+        self.names.append(self._next_name)
+        self._next_name += 1
         self._poses[new] = pose
         self.chain.insert(place, new)
         self.graph.add_node(new)
@@ -235,7 +286,8 @@ class TopoMap:
 
     def _join(self, a: int, b: int, increments: Increments) -> None:
         self._increments[a, b] = increments
-        self.graph.add_edge(a, b, kind="odometry")
+        if b not in self.jumps:
+            self.graph.add_edge(a, b, kind="odometry")
 
     def _part(self, a: int, b: int) -> None:
         """Take away what joins two nodes in the graph, but for the closures there are between them."""

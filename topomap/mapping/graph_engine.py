@@ -8,11 +8,10 @@ from typing import NamedTuple
 import numpy as np
 
 from topomap.core.arrays import BoolArray, FloatArray
-from topomap.mapping.closures.batch import quiet
+from topomap.mapping.closures.batch import Batch, quiet
 from topomap.mapping.closures.closure_tests import TESTS, ClosureTest
 from topomap.mapping.closures.noise import variance_factor
 from topomap.mapping.closures.pose_graph_drive import claims_of, drive_of
-from topomap.mapping.closures.rivals import likeliest
 from topomap.mapping.pose_graph import PoseGraph
 
 Progress = Callable[[float, str], None]
@@ -44,7 +43,7 @@ def optimise_graph(graph: PoseGraph, progress: Progress = quiet, tests: Sequence
     stated = drive_of(graph)
     factor = variance_factor(claims, stated.chain(stated.start()))
     claims, order = claims_of(graph, factor)
-    found = likeliest(drive_of(graph, factor), claims, tests, progress)
+    found = Batch(drive_of(graph, factor), claims, tests, progress).run()
     inlier, odds = np.zeros(len(order), bool), np.zeros(len(order))
     inlier[order], odds[order] = found.inlier, found.log_odds
     reason = tuple(found.reason[k] for k in np.argsort(order).tolist())

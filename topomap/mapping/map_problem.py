@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from topomap.core.errors import TopomapError
 from topomap.mapping.graph import TopoMap
+from topomap.mapping.optimisation import KEPT_SIGMAS
 from topomap.mapping.optimizer import Closures, OdometryEdge, OdometryEdges, Problem
-
-# the measured distances that the calibration was found with aren't in the map: it stays nearly as it was found
-KEPT_SIGMAS = (0.01, 0.002, 0.01)
 
 
 def map_problem(topo: TopoMap) -> Problem:

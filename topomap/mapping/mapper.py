@@ -11,6 +11,7 @@ from topomap.core.panorama import Panorama
 from topomap.core.recorded import RecordedRig
 from topomap.core.records import Candidate, Decision, MapChange, NodeAdded, PlaceMatch
 from topomap.core.robot import Reading
+from topomap.core.view_size import parse_view
 from topomap.mapping.closures.closure_tests import ClosureTest
 from topomap.mapping.closures.ledger import Ledger
 from topomap.mapping.closures.online import Closing, ClosingSettings
@@ -18,8 +19,10 @@ from topomap.mapping.graph import Snapshot, TopoMap
 from topomap.mapping.odometry.watch import OdometryWatch
 from topomap.mapping.optimisation import Optimisation, OptimisationSettings
 from topomap.mapping.places.recognition import Recognition, RecognitionSettings
+from topomap.mapping.places.small_view import small_view, snapshot_of
 from topomap.mapping.places.snapshots import SnapshotSettings, View, make_rule
 from topomap.mapping.places.view_cache import ViewCache
+from topomap.mapping.sessions.drive_start import DriveStart
 from topomap.mapping.track import Track
 from topomap.vision.choice import AlignerChoice
 from topomap.vision.contracts import Aligner
@@ -39,10 +42,21 @@ class MapperSettings(BaseModel, frozen=True, extra="forbid"):
 class Mapper:
     """Surveys the route, keeps snapshots, recognises places, closes loops and applies solutions."""
 
-    def __init__(self, settings: MapperSettings, aligner: Aligner, tests: Sequence[ClosureTest] = ()) -> None:
-        """tests: of closures, a user's own, asked before odometry is."""
-        self.map = TopoMap()
+    def __init__(
+        self,
+        settings: MapperSettings,
+        aligner: Aligner,
+        tests: Sequence[ClosureTest] = (),
+        resumed: DriveStart | None = None,
+    ) -> None:
+        """tests: of closures, a user's own, asked before odometry is; resumed: a map to go on with, and where."""
+        self.map = resumed.map if resumed else TopoMap()
+        if self.map.view == "full":
+            self.map.view = settings.snapshots.view
+        self._size = parse_view(self.map.view)
         self.view_cache = ViewCache(self.map)
+        self._large = ViewCache(self.map, 2)  # the last two snapshots as the camera saw them
+        self._whole: Panorama | None = None
         self.ledger = Ledger()
         self.track = Track(self.map)
         self.optimisation = Optimisation(settings.optimisation, aligner, self.map)
@@ -60,12 +74,32 @@ class Mapper:
         self._gap: int | None = None  # the node behind a gap in the odometry, while nobody knows where it lies
         self._before_gap = 0
         self.lost = False  # whoever localises says so: nothing is claimed to be seen again by one who is lost
+        self.explores = False  # the robot shows itself the way: snapshots are kept though nobody drives it
+        self.first: int | None = None  # the node that this drive began with
+        self._resumed = resumed
+        if resumed:
+            self._recall()
+
+    def _recall(self) -> None:
+        """Make what the loaded map holds findable and believed."""
+        self.optimisation.resume()
+        for node in self.map.chain:
+            if self.map.nodes[node].snapshot is not None:
+                self.recognition.recall(node, self.map.nodes[node].travel, self.view_cache.panorama(node))
+
+    def seen(self, panorama: Panorama) -> Panorama:
+        """Return a view as the map keeps views: what place search, compass and homing compare."""
+        self._whole = panorama
+        return panorama if self._size is None else small_view(panorama, self._size)
 
     def update(self, reading: Reading, panorama: Panorama) -> MapChange:
-        """Take one reading: extend the track, keep or not, search, test closures, solve; return what changed."""
+        """Take one reading: extend the track, keep or not, search, test closures, solve; return what changed.
+
+        panorama: its view as `seen` returns it.
+        """
         broken = self._watch.judge(panorama, reading.motion) if self.map.nodes else ""
         self._stamp_ns = reading.stamp_ns
-        self.track.advance(reading.stamp_ns, reading.motion, bool(broken) or self._watch.doubted)
+        self._move(reading, bool(broken) or self._watch.doubted)
         if broken:
             self._part(broken)
         difference = self._difference(panorama)
@@ -104,6 +138,14 @@ class Mapper:
         self._closing.forget(self._stamp_ns)
         self._gap = None
 
+    def _move(self, reading: Reading, broken: bool) -> None:
+        """Extend the track; the first reading on a loaded map begins another drive."""
+        if self._resumed and self.first is None:
+            start = self._resumed
+            self.track.begin_drive(reading.stamp_ns, start.pose, start.covariance, self.recognition.far)
+        else:
+            self.track.advance(reading.stamp_ns, reading.motion, broken)
+
     def testify(self, candidate: Candidate, agrees: bool, reason: str) -> None:
         """Take what an active check saw of a pending closure; its verdict comes with the next step."""
         self._closing.testify(candidate, agrees, reason)
@@ -138,18 +180,28 @@ class Mapper:
 
     def _keep(self, reading: Reading, panorama: Panorama, difference: float, broken: str) -> tuple[NodeAdded, ...]:
         """Store a snapshot where the rule asks for one while being taught; on a journey, now and then a pose node."""
-        reason = broken or self._reason(panorama, difference, reading.driven)
+        shown = reading.driven or self.explores
+        reason = broken or self._reason(panorama, difference, shown)
         if not reason:
             return ()
         self._kept_at = self.track.travel
-        taught = reading.driven or not self.map.nodes
-        snapshot = Snapshot(reading.encoded, reading.ranges, RecordedRig.of(reading.rig)) if taught else None
+        taught = shown or not self.map.nodes
+        snapshot = self._snapshot(reading, panorama) if taught else None
         node = self.track.node_at(reading.stamp_ns, snapshot)
+        if self.first is None:
+            self.first = node
+            if self._resumed and self._resumed.anywhere:
+                self._gap, self._before_gap = node, len(self.recognition)
         if broken:
             self._gap = node
         if taught:
             self._remember(node, panorama)
         return (NodeAdded(node, reading.stamp_ns, self.map.pose(node), taught, reason),)
+
+    def _snapshot(self, reading: Reading, panorama: Panorama) -> Snapshot:
+        if self._size is not None and reading.rig.width > self._size.columns:
+            return snapshot_of(panorama)
+        return Snapshot(reading.encoded, reading.ranges, RecordedRig.of(reading.rig))
 
     def _reason(self, panorama: Panorama, difference: float, driven: bool) -> str | None:
         if self._previous is None:
@@ -163,8 +215,9 @@ class Mapper:
     def _remember(self, node: int, panorama: Panorama) -> None:
         self.view_cache.put(node, panorama)
         self.recognition.add(node, self.track.travel, panorama)
-        if self._last_snapshot >= 0:
-            self.optimisation.sequential.compare(self._last_snapshot, node, self.view_cache)
+        self._large.put(node, self._whole or panorama)
+        if self._last_snapshot >= 0:  # what isn't kept of a view helps while it is at hand
+            self.optimisation.sequential.compare(self._last_snapshot, node, self._large)
         self._last_snapshot = node
 
     def _recognise(self, stamp_ns: int, panorama: Panorama) -> tuple[PlaceMatch | None, tuple[Decision, ...]]:

@@ -37,6 +37,11 @@ from topomap.vision.contracts import Aligner
 HELD = 1e-4
 
 
+# [log rotation scale, rad/m, log distance scale] the distances that a loaded map's calibration was found with aren't
+# kept: it stays nearly as it was found
+KEPT_SIGMAS = (0.01, 0.002, 0.01)
+
+
 class OptimisationSettings(BaseModel, frozen=True, extra="forbid"):
     """When the map is corrected and what the odometry's errors may be."""
 
@@ -70,6 +75,17 @@ class Optimisation:
         self.solves = 0
         self._surprise = 0.0
         self.contest: Contest | None = None
+        self._known: Calibration | None = None  # of a loaded map
+
+    def resume(self) -> None:
+        """Take over a loaded map: its closures stand, and its calibration is what is known of the odometry."""
+        self._known = self._map.calibration
+        self._solved_nodes = self._whole_nodes = len(self._map.nodes)
+        for edge in self._map.closures:
+            query, match = self._map.nodes[edge.j].stamp_ns, self._map.nodes[edge.i].stamp_ns
+            candidate = Candidate(query, edge.i, match, edge.relative, edge.covariance, query=edge.j)
+            self._closures.append((edge, candidate))
+        self._heard = len(self._closures)
 
     def update(self, stamp_ns: int, ledger: Ledger) -> tuple[bool, list[Decision]]:
         """Solve what is due; return whether the map was moved and which verdicts changed."""
@@ -203,14 +219,17 @@ class Optimisation:
 
     def _problem(self) -> Problem:
         scale = self.sequential.distance_scale
+        prior, sigmas = Calibration(distance_scale=scale.value), (PRIOR_SIGMAS[0], PRIOR_SIGMAS[1], HELD)
+        if self._known is not None:
+            prior, sigmas = self._known, KEPT_SIGMAS
         return Problem(
             self._map.poses.copy(),
             OdometryEdges.of([OdometryEdge(*edge) for edge in self._map.odometry_edges()]),
             Closures.of([edge for edge, _ in self._closures]),
             tuple(self.sequential.turns),
             self._map.calibration,
-            Calibration(distance_scale=scale.value),
-            (PRIOR_SIGMAS[0], PRIOR_SIGMAS[1], HELD),
+            prior,
+            sigmas,
         )
 
     def _honest(self, covariance: FloatArray) -> FloatArray:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from topomap.core.arrays import FloatArray
 from topomap.core.errors import DataError
 from topomap.core.geometry import Pose2
 from topomap.core.records import Motion
 from topomap.core.robot import MotionReading
 from topomap.mapping.graph import Node, Snapshot, TopoMap
 from topomap.mapping.odometry.gap import GAP
-from topomap.mapping.odometry.increments import Increments, advance
+from topomap.mapping.odometry.increments import Increments, advance, leading
 
 
 class Track:
@@ -28,6 +29,7 @@ class Track:
         self.travel = 0.0
         self._stamps: list[int] = []
         self._motions: list[Motion] = []
+        self._jump = False  # another drive begins with the next node
 
     @property
     def turn(self) -> float:
@@ -55,6 +57,18 @@ class Track:
             self._motions.append(motion)
         return corrected
 
+    def begin_drive(self, stamp_ns: int, pose: Pose2, covariance: FloatArray, way: float) -> None:
+        """Begin another drive on a map at a pose known with covariance (3, 3); the next node is its first.
+
+        way: that the odometer is set on by [m], so that all older places count as left long ago.
+        """
+        self.map.end_before(stamp_ns)
+        last = self.map.chain[-1]
+        forward, left, turn = leading(self.map.pose(last).to(pose), self.map.calibration).tolist()
+        self.pose, self.travel = pose, self.map.nodes[last].travel + way
+        self._stamps, self._motions = [stamp_ns], [Motion(forward, left, turn, covariance, 0.0)]
+        self._jump = True
+
     def node_at(self, stamp_ns: int, snapshot: Snapshot | None = None) -> int:
         """Return the node at a stamp the robot has been at; make one if there is none (a snapshot: only now)."""
         stamp_ns = int(stamp_ns)
@@ -64,7 +78,8 @@ class Track:
             return self.map.insert(stamp_ns)
         increments = self._cut(stamp_ns)
         travel = self.travel - sum(abs(m.forward) for m in self._motions)
-        return self.map.add(Node(stamp_ns, travel, snapshot), increments)
+        jump, self._jump = self._jump, False
+        return self.map.add(Node(stamp_ns, travel, snapshot), increments, jump)
 
     def restart(self) -> None:
         """Continue from the last node as it stands now: after the map was moved."""

@@ -1,6 +1,12 @@
-"""When a milestone is reached: a low image difference, or its minimum reached."""
+"""When a milestone is reached: a low image difference, or its minimum; and when a goal is: by the belief as well."""
 
 from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from topomap.core.geometry import Pose2, wrap
+from topomap.core.records import PlaceMatch, Where
 
 SAME = 0.12
 """A difference (rms of z-normalised, rotation-aligned views) this low is the place itself: over 75 places of
@@ -34,3 +40,50 @@ class Arrival:
         self._rising = self._rising + 1 if rising else 0
         over = self._rising >= self._rise_steps or self.since_minimum >= self._rest_steps
         return difference < SAME or (over and self._minimum < MINIMUM_BELOW)
+
+
+NEAR = 0.6
+"""[m] Farthest that the believed pose may be from a goal that is reached: five sigmas of one corrected by sight."""
+SURE = 0.2
+"""Probability of being lost, or somewhere else, from which on no arrival is claimed."""
+ELSEWHERE = 1.0
+"""[m] A hypothesis or a snapshot this far from the goal is another place."""
+TURNED = 0.5
+"""[rad] How far the view may be turned otherwise than the believed heading says: six sigmas of the compass."""
+ALIKE = 0.9
+"""Share of the goal's difference below which another place counts as more alike."""
+
+
+@dataclass(frozen=True, slots=True)
+class Claim:
+    """What an arrival rests on: the goal's pose, rotation [rad] and place difference of its view, the believed pose.
+
+    other: the node most like the view anywhere, with its distance [m] from the goal.
+    """
+
+    goal: Pose2
+    rotation: float
+    difference: float
+    where: Where
+    other: PlaceMatch | None = None
+    other_away: float = 0.0
+
+
+def doubt(claim: Claim) -> str:
+    """Return why an arrival isn't to be believed though the view says so, or ""."""
+    where = claim.where
+    if where.lost >= SURE:
+        return f"lost with a probability of {where.lost:.2f}"
+    away = where.pose.distance(claim.goal)
+    if away > NEAR:
+        return f"it is believed to be {away:.1f} m away"
+    rivals = sum(rival.weight for rival in where.rivals if rival.pose.distance(claim.goal) > ELSEWHERE)
+    if rivals >= SURE:
+        return f"with a probability of {rivals:.2f} it is another place"
+    turned = abs(wrap(claim.rotation - (where.pose.heading - claim.goal.heading)))
+    if turned > TURNED:
+        return f"its view is turned by {math.degrees(turned):.0f} degrees otherwise than it should be"
+    other = claim.other
+    if other is not None and claim.other_away > ELSEWHERE and other.difference < ALIKE * claim.difference:
+        return f"node {other.node} looks more alike"
+    return ""

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from pydantic import BaseModel, Field
 
 from topomap.core.arrays import Float32Array, FloatArray
 from topomap.core.geometry import TAU, wrap, wrap_all
 from topomap.core.records import Command
+from topomap.navigation.way_round import way_round
 
 GAIN = 1.6
 """[1/s] Turn rate per bearing error: at steps of 0.25 s the error shrinks by 40 % a step, without swinging over."""
@@ -32,18 +35,32 @@ class Pilot:
         self._settings = settings
         self._directions = wrap_all(np.arange(directions) * TAU / directions)
 
-    def steer(self, bearing: float, ranges: Float32Array | None, speed: float | None = None) -> Command:
-        """Return the command that drives towards `bearing` [rad], at most `speed` [m/s]; ranges (W,) or None."""
+    def steer(
+        self,
+        bearing: float,
+        ranges: Float32Array | None,
+        speed: float | None = None,
+        aims: Sequence[tuple[float, float]] = (),
+    ) -> Command:
+        """Return the command that drives towards `bearing` [rad], at most `speed` [m/s]; ranges (W,) or None.
+
+        aims: points (x ahead, y left) [m] to get to, the nearest first, round what stands on the straight way.
+        """
         s = self._settings
-        free = bearing if ranges is None else self._nearest_free(bearing, ranges)
+        free = bearing if ranges is None else self._free(bearing, ranges, aims)
         turn = float(np.clip(GAIN * free, -s.turn_rate, s.turn_rate))
         ahead = max(0.0, np.cos(free)) ** 2 if abs(free) < 1.2 else 0.0
-        return Command(float(min(s.speed, speed or s.speed) * ahead), turn)
+        return Command(float(min(s.speed, s.speed if speed is None else speed) * ahead), turn)
+
+    def _free(self, bearing: float, ranges: Float32Array, aims: Sequence[tuple[float, float]]) -> float:
+        """Return the bearing where the way is free, else that of a way round, else the nearest free one."""
+        if float(self._room(np.array([bearing]), ranges)[0]) >= LOOK_AHEAD:
+            return bearing
+        around = way_round(aims, ranges, self._settings.body_radius + MARGIN) if aims else None
+        return self._nearest_free(bearing, ranges) if around is None else around
 
     def _nearest_free(self, bearing: float, ranges: Float32Array) -> float:
         room = np.minimum(self._room(self._directions, ranges), LOOK_AHEAD)
-        if float(self._room(np.array([bearing]), ranges)[0]) >= LOOK_AHEAD:
-            return bearing
         detour = np.abs(wrap_all(self._directions - bearing))
         return wrap(float(self._directions[np.argmin(detour + 8.0 * (LOOK_AHEAD - room))]))
 

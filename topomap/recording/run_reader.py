@@ -21,6 +21,7 @@ from topomap.core.run_data import NodeData, RunData, Trust
 from topomap.recording import decode
 from topomap.recording import steps as columns
 from topomap.recording.steps import Steps, read_steps
+from topomap.recording.true_nodes import ATTACHMENT, parse_truths
 
 R = TypeVar("R")
 
@@ -79,6 +80,7 @@ def _load(log_file: LogReader) -> RunData:
     closures = rows.records(topics.CLOSURES, log.Closure)
     decisions = tuple(decode.decision(stored) for _, stored in closures)
     performance = _last(rows, topics.PERFORMANCE, log.Performance)
+    nodes = _nodes(rows, final)
     return RunData(
         world=header.world,
         seed=header.seed,
@@ -96,7 +98,8 @@ def _load(log_file: LogReader) -> RunData:
         place_difference=steps.difference("place"),
         homing_difference=steps.difference("homing"),
         threshold=_threshold(steps),
-        nodes=_nodes(rows, final),
+        nodes=nodes,
+        earlier=_earlier(log_file, nodes),
         edges=() if final is None else tuple((edge.a, edge.b, edge.kind) for edge in final.edges),
         decisions=decisions,
         calibration=_calibration(rows, final),
@@ -142,6 +145,13 @@ def _nodes(rows: Gathered, final: log.Final | None) -> tuple[NodeData, ...]:
         NodeData(node.node, node.stamp_ns, np.array([node.pose.x, node.pose.y, node.pose.heading]), node.snapshot)
         for node in stored
     )
+
+
+def _earlier(log_file: LogReader, nodes: tuple[NodeData, ...]) -> dict[int, FloatArray]:
+    """Return the true poses of the nodes that the run began with, by stamp."""
+    content = log_file.attachment(ATTACHMENT)
+    known = parse_truths(content.decode(), ATTACHMENT) if content else {}
+    return {node.stamp_ns: np.array(known[node.node]) for node in nodes if node.node in known}
 
 
 def _calibration(rows: Gathered, final: log.Final | None) -> CalibrationState | None:

@@ -11,7 +11,7 @@ from lapped import LAP, STEP, Lapped, lapped
 from topomap.core.arrays import FloatArray
 from topomap.core.geometry import between
 from topomap.evaluation.trajectory import ate
-from topomap.mapping.closures import batch
+from topomap.mapping.closures import growing, settling
 from topomap.mapping.closures.batch import Batch, Judgement
 from topomap.mapping.closures.claims import Claims
 from topomap.mapping.closures.closure_tests import TESTS, Knowledge
@@ -50,7 +50,7 @@ def test_true_claims_stand_and_false_ones_do_not(mix: str, seed: int) -> None:
     assert wrong == 0
     assert kept >= 0.97
     assert rms(found.state.poses, world) < min(0.15, 0.3 * rms(world.graph.dead_reckoning(), world))
-    assert found.kept == f"{int(found.inlier.sum())} of {len(found.inlier)} closures are likely"
+    assert found.kept.startswith(f"{int(found.inlier.sum())} of {len(found.inlier)} closures are likely, ")
 
 
 def rms(poses: FloatArray, world: Lapped) -> float:
@@ -249,7 +249,8 @@ def test_blind_claims_are_judged_by_where_they_are() -> None:
 def test_of_many_claims_a_bound_sifts_and_changes_no_verdict(few: int, monkeypatch: pytest.MonkeyPatch) -> None:
     world = lapped(seed=3).alone(150, 53)
     expected = judged(world)
-    monkeypatch.setattr(batch, "FEW", few)
+    monkeypatch.setattr(growing, "FEW", few)
+    monkeypatch.setattr(settling, "FEW", few)
     found = judged(world)
     assert np.array_equal(found.inlier, expected.inlier)
     assert np.allclose(found.state.poses, expected.state.poses, atol=1e-6)

@@ -11,10 +11,11 @@ from told import Told, apart, claims_on, even, straight
 
 from topomap.core.arrays import BoolArray, FloatArray, IntArray
 from topomap.core.geometry import between, wrap_all
-from topomap.mapping.closures import batch
-from topomap.mapping.closures.batch import Batch
+from topomap.mapping.closures import settling
+from topomap.mapping.closures.batch import Batch, quiet
 from topomap.mapping.closures.claims import Claims
 from topomap.mapping.closures.closure_tests import Knowledge
+from topomap.mapping.closures.working_map import WorkingMap
 from topomap.mapping.odometry.increments import Calibration, EdgeIncrements, Increments, track
 from topomap.mapping.pose_graph import gap_covariance
 from topomap.mapping.uncertainty.network import PathNetwork
@@ -35,7 +36,7 @@ def first_let_in(size: int, odds: float, others: int) -> tuple[int, bool]:
         return np.where((claims.i < 8) & (asked[0] == 1), np.log(odds), 30.0)
 
     claims = claims_on(drive, *begins(others, size))
-    found = Batch(drive, claims, (Told(says),), lambda _, doing: heard.append(doing)).run()
+    found = Batch(drive, claims, (Told(says),), lambda _, doing: heard.append(doing)).grown()
     return int(heard[2].split()[0]), bool(found.inlier.any())
 
 
@@ -65,7 +66,7 @@ def strain_first(monkeypatch: pytest.MonkeyPatch, which: int, times: int = 1000)
         seen.append(tense)
         return tense
 
-    monkeypatch.setattr(batch, "strained", always)
+    monkeypatch.setattr(settling, "strained", always)
     return seen
 
 
@@ -92,7 +93,7 @@ def test_what_strains_the_map_is_weighed_once_more_without_itself(
 ) -> None:
     drive, (i, j) = straight(), apart(8)
     seen = strain_first(monkeypatch, 0)
-    found = Batch(drive, claims_on(drive, i, j), (Afterthought(later),)).run()
+    found = Batch(drive, claims_on(drive, i, j), (Afterthought(later),)).grown()
     assert found.inlier[1:].all()
     assert found.inlier[0] == expected
     assert 2 <= len(seen) <= 3  # suspected once, not over and over
@@ -115,7 +116,7 @@ def test_three_that_agree_come_back_as_they_came_in(
     drive, seen = straight(), strain_first(monkeypatch, 0)
     claims = claims_on(drive, *begins(8, size))
     if not suspected:
-        monkeypatch.setattr(batch, "strained", lambda poses, claims, label, *_: np.zeros(label.max() + 1, bool))
+        monkeypatch.setattr(settling, "strained", lambda poses, claims, label, *_: np.zeros(label.max() + 1, bool))
     asked = [0]
 
     def says(some: Claims, _: Knowledge) -> FloatArray:
@@ -123,7 +124,7 @@ def test_three_that_agree_come_back_as_they_came_in(
         later = bool(seen) if suspected else asked[0] > 1
         return np.where((some.i < 8) & later, np.log(odds), 30.0)
 
-    found = Batch(drive, claims, (Told(says),)).run()
+    found = Batch(drive, claims, (Told(says),)).grown()
     assert found.inlier[size:].all()
     assert found.inlier[:size].tolist() == [expected] * size
 
@@ -135,7 +136,7 @@ def test_what_comes_back_to_a_map_of_odometry_alone_may_pull_it_as_far_as_at_fir
     drive = straight()
     claims = claims_on(drive, *apart(1), [0.0, 5.0, 0.0])
     seen = strain_first(monkeypatch, 0, times=1)
-    found = Batch(drive, claims, (even(30.0),)).run()
+    found = Batch(drive, claims, (even(30.0),)).grown()
     assert len(seen) >= 2
     assert found.inlier.tolist() == [True]
     missed = between(found.state.poses[claims.i], found.state.poses[claims.j]) - claims.relative
@@ -153,7 +154,7 @@ def test_a_part_behind_a_gap_is_joined_however_it_is_turned(turned: float) -> No
     lost = EdgeIncrements(told.deltas, covariances, told.starts)
     i, j = np.array([5, 6, 8, 9, 10, 40]), np.array([85, 87, 88, 89, 91, 120])
     claims = claims_on(replace(drive, poses=truth), i, j)
-    found = Batch(replace(drive, edges=replace(drive.edges, increments=lost)), claims, (even(30.0),)).run()
+    found = Batch(replace(drive, edges=replace(drive.edges, increments=lost)), claims, (even(30.0),)).grown()
     assert found.inlier.all()
     missed = between(found.state.poses[i], found.state.poses[j]) - claims.relative
     missed[:, 2] = wrap_all(missed[:, 2])
@@ -167,11 +168,10 @@ def test_members_of_a_cluster_that_stands_are_known_over_the_closure_beside_them
     claims = claims_on(drive, i, j)
     order = np.lexsort((claims.j, claims.i))
     claims = claims[order]
-    made = Batch(drive, claims, (even(0.0),))
-    made._standing = np.array([5, 20])
-    assert claims.i[made._standing].tolist() == [4, 19]
-    network = made._network()
-    errors, member = made._beside_standing(network)
+    made = WorkingMap(drive, claims, (even(0.0),), quiet)
+    made.standing = np.array([5, 20])
+    assert claims.i[made.standing].tolist() == [4, 19]
+    errors, member = settling.beside_standing(made, made.network())
     alone = claims.j == 139
     assert member.tolist() == (((claims.i < 8) | (claims.i >= 16)) & ~alone).tolist()
     for standing, those in ((5, claims.i < 8), (20, claims.i >= 16)):
@@ -180,5 +180,5 @@ def test_members_of_a_cluster_that_stands_are_known_over_the_closure_beside_them
         part = np.flatnonzero(those & ~alone)
         assert errors[part] == pytest.approx(only.errors(claims.i[part], claims.j[part]), rel=1e-6, abs=1e-9)
     assert not errors[~member].any()
-    made._standing = np.zeros(0, np.int64)
-    assert not made._beside_standing(made._network())[1].any()
+    made.standing = np.zeros(0, np.int64)
+    assert not settling.beside_standing(made, made.network())[1].any()

@@ -12,7 +12,8 @@ from lapped import CLOSURE, lapped
 
 from topomap.core.arrays import BoolArray, FloatArray, IntArray
 from topomap.core.geometry import between
-from topomap.mapping.closures import batch
+from topomap.mapping.closures import growing
+from topomap.mapping.closures import settling as finishing
 from topomap.mapping.closures.batch import Batch, Judgement
 from topomap.mapping.closures.claims import Claims
 from topomap.mapping.closures.closure_tests import Knowledge
@@ -78,7 +79,7 @@ def apart(count: int, first: int = 0) -> tuple[IntArray, IntArray]:
 def rounds_of(drive: Drive, claims: Claims, test: Told) -> tuple[Judgement, int, int]:
     """The verdicts, and how many rounds of growing and of settling it took."""
     heard: list[str] = []
-    found = Batch(drive, claims, (test,), lambda _, doing: heard.append(doing)).run()
+    found = Batch(drive, claims, (test,), lambda _, doing: heard.append(doing)).grown()
     settling = sum("settling" in doing for doing in heard)
     return found, len(heard) - 1 - settling, settling
 
@@ -87,7 +88,7 @@ def rounds_of(drive: Drive, claims: Claims, test: Told) -> tuple[Judgement, int,
 def test_a_claim_may_bend_the_map_when_one_such_in_a_thousand_is_false(odds: float, expected: bool) -> None:
     drive = straight()
     claims = claims_on(drive, *apart(1), [0.3, 0.0, 0.0])
-    found = Batch(drive, claims, (even(odds),)).run()
+    found = Batch(drive, claims, (even(odds),)).grown()
     assert found.inlier.tolist() == [expected]
     assert found.log_odds == pytest.approx([odds])
     assert (found.state.poses.tobytes() == drive.poses.tobytes()) == (not expected)
@@ -100,10 +101,10 @@ def test_in_the_finished_map_three_in_ten_thousand_may_be_false(sure: int, expec
     drive = straight()
     i, j = np.repeat(np.arange(12) * 6, 10)[:sure], PLACES - 1 - np.tile(np.arange(10), 12)[:sure] * 2
     claims = claims_on(drive, np.append(i, 75), np.append(j, PLACES - 1))
-    found = Batch(drive, claims, (by_place({75: np.log(30.0)}, 30.0),)).run()
+    found = Batch(drive, claims, (by_place({75: np.log(30.0)}, 30.0),)).grown()
     assert found.inlier[:-1].all()
     assert found.inlier[-1] == expected
-    assert (1 / 31 / (sure + 1) <= batch.FALSE) == expected
+    assert (1 / 31 / (sure + 1) <= finishing.FALSE) == expected
 
 
 @pytest.mark.parametrize(("odds", "expected"), [(19.5, False), (20.5, True)])
@@ -111,10 +112,10 @@ def test_below_twenty_to_one_none_is_taken_however_sure_the_others_are(odds: flo
     drive = straight()
     i, j = np.repeat(np.arange(12), 60), PLACES - 1 - np.tile(np.arange(60), 12)
     claims = claims_on(drive, np.append(i, 75), np.append(j, PLACES - 1))
-    found = Batch(drive, claims, (by_place({75: np.log(odds)}, 30.0),)).run()
+    found = Batch(drive, claims, (by_place({75: np.log(odds)}, 30.0),)).grown()
     assert found.inlier[:-1].all()
     assert found.inlier[-1] == expected
-    assert batch.FALSE > 1 / 20.5 / 721  # it isn't the share of false ones that decides
+    assert finishing.FALSE > 1 / 20.5 / 721  # it isn't the share of false ones that decides
 
 
 def trio(drive: Drive) -> Claims:
@@ -127,7 +128,7 @@ def test_three_that_agree_may_bend_the_map_sooner_than_a_lone_one(odds: float, f
     """Beside a lone one that is sure: in the first round, if they are false one time in twenty."""
     drive, heard = straight(), list[str]()
     test = by_place({60: 30.0}, np.log(odds))
-    Batch(drive, trio(drive), (test,), lambda _, doing: heard.append(doing)).run()
+    Batch(drive, trio(drive), (test,), lambda _, doing: heard.append(doing)).grown()
     assert heard[1] == f"{first} closures"
 
 
@@ -155,7 +156,7 @@ def test_odometry_refuses_what_lies_beyond_its_gate(chi2: float, expected: bool)
     drive = straight()
     claims = off_by(drive, claims_on(drive, *apart(1)), chi2)
     test = even(30.0)
-    found = Batch(drive, claims, (test,)).run()
+    found = Batch(drive, claims, (test,)).grown()
     assert (found.reason[0] != "odometry contradicts it") == expected
     assert (test.times(0) > 0) == expected
     assert np.isneginf(found.log_odds[0]) == (not expected)
@@ -170,8 +171,8 @@ def test_a_cluster_is_allowed_when_odometry_allows_one_of_its_representatives() 
     shift = np.linspace(moved.mean() * 1.05, moved.mean() * 0.9, len(i))
     bent = claims_on(drive, i, i + 80, np.column_stack([shift, 0 * shift, 0 * shift]))
     chi2 = mahalanobis(bent, drive.poses, PathNetwork.of_chain(drive.chain(drive.start())).errors(i, i + 80))[0]
-    assert chi2[0] > batch.GATE > chi2[-1]
-    found = Batch(drive, bent, (even(-9.0),)).run()
+    assert chi2[0] > growing.GATE > chi2[-1]
+    found = Batch(drive, bent, (even(-9.0),)).grown()
     assert set(found.reason) == {"the map makes it unlikely"}
 
 
@@ -180,7 +181,7 @@ def test_what_odometry_refuses_stays_out_though_the_map_comes_to_fit_it() -> Non
     drive, claims, _ = lapped(seed=1).engine_input()
     told = drive.edges.increments
     sure = EdgeIncrements(told.deltas, 0.3 * told.covariances, told.starts)
-    found = Batch(replace(drive, edges=replace(drive.edges, increments=sure)), claims, (even(30.0),)).run()
+    found = Batch(replace(drive, edges=replace(drive.edges, increments=sure)), claims, (even(30.0),)).grown()
     refused = np.array([word == "odometry contradicts it" for word in found.reason])
     assert 3 <= refused.sum() <= 30
     off = (between(found.state.poses[claims.i], found.state.poses[claims.j]) - claims.relative) / CLOSURE
@@ -200,7 +201,7 @@ def test_the_finished_map_has_no_closure_that_is_off_by_more_than_six_sigmas(sig
     """It pulls the map its way by a thirteenth of that."""
     drive = straight()
     claims, odd = together(drive, sigmas)
-    found = Batch(drive, claims, (even(30.0),)).run()
+    found = Batch(drive, claims, (even(30.0),)).grown()
     assert found.inlier[~odd].all()
     assert found.inlier[odd].tolist() == [expected]
     refused = "likely, but the map can't fit it beside the others"
@@ -213,7 +214,7 @@ def test_what_does_not_fit_is_taken_up_three_times() -> None:
     found, rounds, _ = rounds_of(drive, claims, even(30.0))
     assert found.inlier.tolist() == (~odd).tolist()
     assert found.reason[6] == "likely, but the map can't fit it beside the others"
-    assert rounds == batch.TRIES + 1 == 4  # in the last there is nothing left to take up
+    assert rounds == growing.TRIES + 1 == 4  # in the last there is nothing left to take up
 
 
 def test_where_all_fits_one_round_lets_it_in_and_two_settle_it() -> None:
@@ -258,13 +259,13 @@ def test_settling_ends_though_every_turn_brings_another() -> None:
 
     found, rounds, settling = rounds_of(drive, claims_on(drive, i, j), Told(says))
     assert rounds == 2
-    assert settling == batch.SETTLINGS == 6
+    assert settling == finishing.SETTLINGS == 6
     assert found.inlier.sum() == 7
 
 
 def test_growing_ends_after_sixty_rounds_though_each_brings_another(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert batch.ROUNDS == 60
-    monkeypatch.setattr(batch, "ROUNDS", 5)
+    assert growing.ROUNDS == 60
+    monkeypatch.setattr(growing, "ROUNDS", 5)
     drive, (i, j) = straight(), apart(20)
     _, rounds, _ = rounds_of(drive, claims_on(drive, i, j), OneMore(i))
     assert rounds == 5
@@ -277,7 +278,7 @@ def test_what_a_test_is_told_of_a_claim() -> None:
     j = np.concatenate([np.arange(40) + 60, [139]])
     test = even(30.0)
     claims = claims_on(drive, i, j)
-    found = Batch(drive, claims, (test,)).run()
+    found = Batch(drive, claims, (test,)).grown()
     assert found.inlier.all()
     asked, known = test.heard[0]
     assert asked.i.tolist() == [*asked.i[:-1].tolist(), 70]
@@ -286,7 +287,7 @@ def test_what_a_test_is_told_of_a_claim() -> None:
     assert known.prevalence == pytest.approx(np.log([2.0 / 0.1] * 6))
     everyone, settled = test.heard[-1]
     assert len(everyone) == 41
-    assert (settled.prevalence >= batch.LIKELY).all()
+    assert (settled.prevalence >= finishing.LIKELY).all()
     assert (settled.errors[:, 2, 2] <= known.errors[0, 2, 2] / 3).all()  # it knows them over the closures now
 
 
@@ -300,7 +301,7 @@ def strain_first(monkeypatch: pytest.MonkeyPatch, which: int) -> list[BoolArray]
         seen.append(tense)
         return tense
 
-    monkeypatch.setattr(batch, "strained", always)
+    monkeypatch.setattr(finishing, "strained", always)
     return seen
 
 
@@ -327,7 +328,7 @@ def test_what_strains_the_map_is_weighed_once_more_without_itself(
 ) -> None:
     drive, (i, j) = straight(), apart(8)
     seen = strain_first(monkeypatch, 0)
-    found = Batch(drive, claims_on(drive, i, j), (Afterthought(later),)).run()
+    found = Batch(drive, claims_on(drive, i, j), (Afterthought(later),)).grown()
     assert found.inlier[1:].all()
     assert found.inlier[0] == expected
     assert 2 <= len(seen) <= 3  # suspected once, not over and over
@@ -342,7 +343,7 @@ def fickle_map(seed: int) -> tuple[Drive, Judgement]:
         asked[0] += 1
         return np.full(len(some), 30.0 if asked[0] == 1 else -30.0)
 
-    return drive, Batch(drive, claims, (Told(fickle),)).run()
+    return drive, Batch(drive, claims, (Told(fickle),)).grown()
 
 
 def test_a_map_that_keeps_nothing_after_all_says_so() -> None:
@@ -366,7 +367,7 @@ def test_an_unsure_calibration_is_found_with_the_map() -> None:
     increments = EdgeIncrements(bent, drive.edges.increments.covariances, drive.edges.increments.starts)
     start = track(Increments(np.arange(len(bent)), bent, increments.covariances), Calibration())
     edges = OdometryEdges(drive.edges.i, drive.edges.j, increments)
-    unsure = Batch(Drive(start, edges, sigmas=(1e-6, 0.005, 1e-6)), claims).run()
+    unsure = Batch(Drive(start, edges, sigmas=(1e-6, 0.005, 1e-6)), claims).grown()
     assert unsure.inlier.mean() > 0.9
     assert unsure.state.calibration.curvature == pytest.approx(0.002, abs=0.0003)
     assert not np.allclose(unsure.state.covariance, HELD)

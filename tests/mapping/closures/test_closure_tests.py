@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 
 from topomap.core.arrays import FloatArray
-from topomap.core.geometry import between
+from topomap.core.geometry import Pose2, between
 from topomap.mapping.closures.claims import Claims
 from topomap.mapping.closures.closure_tests import (
+    CERTAIN,
     TESTS,
     Apart,
+    AtPlace,
     Crowding,
     Gate,
     Knowledge,
@@ -150,3 +152,23 @@ def test_who_is_refused_is_not_asked_about_again_whoever_refused() -> None:
     assert last.heard == [10, 20]
     assert found.log_odds.tolist() == [-np.inf, 3.0, 3.0]
     assert found.failed.tolist() == [0, -1, -1]
+
+
+@pytest.mark.parametrize("sigma", [0.3, 0.5, 1.0, 3.0])
+def test_at_place_tells_the_probability_that_odometry_leaves_for_the_spot(sigma: float) -> None:
+    """Of positions that odometry allows, the share within 0.75 m of the spot against the rest."""
+    poses = np.zeros((2, 3))
+    claim = Claims.of_one(0, 1, Pose2(), np.diag([1e-6, 1e-6, 0.01]))
+    errors = np.diag([sigma**2, sigma**2, 1e-4])
+    share = 1.0 - np.exp(-(0.75**2) / (2 * sigma**2))
+    found = float(AtPlace().weigh(claim, Knowledge.of_one(poses, errors))[0])
+    assert found == pytest.approx(np.log(share / (1 - share)), abs=1e-3)
+
+
+def test_at_place_falls_with_the_distance_and_never_says_more_than_odometry_is_known() -> None:
+    poses, errors = np.zeros((2, 3)), 0.01 * np.eye(3)
+    claims = [Claims.of_one(0, 1, Pose2(x, 0.0, 2.0), 0.01 * np.eye(3)) for x in (0.0, 0.3, 0.5, 3.0)]
+    said = [float(AtPlace().weigh(claim, Knowledge.of_one(poses, errors))[0]) for claim in claims]
+    assert said == sorted(said, reverse=True)
+    assert said[0] == pytest.approx(np.log(CERTAIN))
+    assert said[-1] == pytest.approx(-np.log(CERTAIN), abs=0.01)

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from lapped import lapped
 
-from topomap.mapping.closures.batch import GROWING
 from topomap.mapping.closures.pose_graph_drive import claims_of, drive_of, odometry_edges
+from topomap.mapping.closures.working_map import GROWING
 from topomap.mapping.odometry.increments import Calibration
 from topomap.mapping.pose_graph import PoseGraph
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from topomap.mapping.closures.odometry_gate import GateSettings
 from topomap.mapping.optimizer import OptimizerSettings
 from topomap.mapping.uncertainty.agreement import SupportSettings
 
@@ -15,6 +14,14 @@ def _growing() -> OptimizerSettings:
 
 def _closing() -> OptimizerSettings:
     return OptimizerSettings(cutoffs=(3.0, 2.0, 1.5), cutoff=1.0)
+
+
+class GateSettings(BaseModel):
+    """When odometry contradicts a closure."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    probability: float = Field(default=0.99, gt=0.5, lt=1, description="share of true closures the gate lets pass")
 
 
 class AlongSettings(BaseModel):

@@ -1,23 +1,22 @@
-"""The visual test of a proposal: the likeliest places are compared in detail, and one must clearly win."""
+"""The likeliest places compared with the view in detail: which is the most alike, and by how much."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from pydantic import BaseModel, Field
+import numpy as np
 
 from topomap.core.panorama import Panorama
 from topomap.core.records import Alignment, PlaceMatch
+from topomap.mapping.closures.sight_tests import MOST_RATIO
 from topomap.vision.contracts import Aligner
 
+RIVAL_DISTANCE = 1.5
+"""[m] A node this far from the winner is another place: twice the way in which a true revisit may lie aside."""
 
-class AppearanceSettings(BaseModel, frozen=True, extra="forbid"):
-    """When a place is believed by what is seen."""
-
-    cost: float = Field(0.8, gt=0, description="alignment cost above which no place is believed")
-    ratio: float = Field(0.9, gt=0, le=1, description="a place must cost less than this share of its best rival")
-    rival_distance: float = Field(1.5, gt=0, description="a node this far from the winner is another place [m]")
+FEW = 2
+"""Rivals that are compared only to learn what places elsewhere cost: each takes as long as a place within reach."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,21 +29,22 @@ class Look:
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """The winner, its cost over the best rival's (0 where there is none), and why it fails ("" where it doesn't)."""
+    """The winner; its cost over the best rival's, 0 where there is none; the median cost of other places, NaN where
+    there is none.
+    """
 
     winner: Look
     ratio: float
-    objection: str
+    elsewhere: float
 
 
-class AppearanceTest:
+class Appearance:
     """Ranks places by alignment cost (min-warping by default)."""
 
-    def __init__(self, settings: AppearanceSettings, aligner: Aligner) -> None:
-        self._s = settings
+    def __init__(self, aligner: Aligner) -> None:
         self._aligner = aligner
 
-    def judge(
+    def compare(
         self,
         view: Panorama,
         places: Sequence[PlaceMatch],
@@ -63,24 +63,31 @@ class AppearanceTest:
         looks = sorted(map(look, places), key=_cost)
         for rival in rivals:
             looks = sorted([*looks, look(rival)], key=_cost)
-            if self._ratio(looks, distance) > self._s.ratio:
+            if _outcome(looks, distance).ratio > MOST_RATIO:
                 break
-        ratio = self._ratio(looks, distance)
-        return Outcome(looks[0], ratio, self._objection(_cost(looks[0]), ratio))
+        return _outcome(looks, distance)
 
-    def _ratio(self, looks: Sequence[Look], distance: Callable[[int, int], float]) -> float:
-        """Return the cost of the first, the winner, over that of the best one elsewhere; 0 where there is none."""
-        winner = looks[0]
-        elsewhere = (k for k in looks if distance(k.match.node, winner.match.node) > self._s.rival_distance)
-        best = next(elsewhere, None)
-        return 0.0 if best is None else _cost(winner) / max(_cost(best), 1e-9)
+    def elsewhere(
+        self,
+        view: Panorama,
+        winner: Look,
+        rivals: Sequence[PlaceMatch],
+        panorama: Callable[[int], Panorama],
+        distance: Callable[[int, int], float],
+    ) -> float:
+        """Return the median cost of `view` at the first two rivals that are other places, NaN for none."""
+        others = [rival for rival in rivals if distance(rival.node, winner.match.node) > RIVAL_DISTANCE][:FEW]
+        costs = [self._aligner.align(view, panorama(rival.node), rival.rotation).residual for rival in others]
+        return float(np.median(costs)) if costs else np.nan
 
-    def _objection(self, cost: float, ratio: float) -> str:
-        if cost > self._s.cost:
-            return f"no place is alike enough (cost {cost:.2f} > {self._s.cost:g})"
-        if ratio > self._s.ratio:
-            return f"another place is nearly as alike (ratio {ratio:.2f} > {self._s.ratio:g})"
-        return ""
+
+def _outcome(looks: Sequence[Look], distance: Callable[[int, int], float]) -> Outcome:
+    """Return what comparisons, the most alike first, tell."""
+    winner = looks[0]
+    elsewhere = [_cost(k) for k in looks if distance(k.match.node, winner.match.node) > RIVAL_DISTANCE]
+    if not elsewhere:
+        return Outcome(winner, 0.0, np.nan)
+    return Outcome(winner, _cost(winner) / max(elsewhere[0], 1e-9), float(np.median(elsewhere)))
 
 
 def _cost(look: Look) -> float:

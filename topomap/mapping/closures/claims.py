@@ -35,9 +35,10 @@ class Claims:
         return Claims(i, j, relative, covariance, np.zeros(len(i)), np.ones(len(i)))
 
     @staticmethod
-    def of_one(i: int, j: int, relative: Pose2, covariance: FloatArray) -> Claims:
+    def of_one(i: int, j: int, relative: Pose2, covariance: FloatArray, looks: float = 0.0) -> Claims:
         """Return a single claim."""
-        return Claims.of(np.array([i]), np.array([j]), relative.array()[None], covariance[None])
+        places = np.array([i]), np.array([j])
+        return Claims(*places, relative.array()[None], covariance[None], np.array([looks]), np.ones(1))
 
     def __len__(self) -> int:
         return len(self.i)

@@ -9,6 +9,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from topomap.core.arrays import FloatArray, IntArray
+from topomap.core.records import UNKNOWN_HEADING
 from topomap.mapping.closures.agreement_kernels import short_loops
 from topomap.mapping.closures.claims import Claims
 from topomap.mapping.uncertainty.odometry_chain import Chain
@@ -53,4 +54,11 @@ def loops_of(claims: Claims, chain: Chain, asked: IntArray, limit: float) -> tup
         claims.i, claims.j, claims.relative, claims.covariance, claims.blind, chain.poses, chain.random, first,
         WINDOW, limit, asked,
     )  # fmt: skip
-    return np.asarray(a), np.asarray(b), np.asarray(missed)
+    part = _parts(chain)  # across a gap any two claims agree, which says nothing
+    tells = (part[claims.i[a]] == part[claims.i[b]]) & (part[claims.j[a]] == part[claims.j[b]])
+    return np.asarray(a[tells]), np.asarray(b[tells]), np.asarray(missed[tells])
+
+
+def _parts(chain: Chain) -> IntArray:
+    """Return (N,) which part of the chain each place is in: a step whose turn isn't known begins another."""
+    return np.concatenate([[0], np.cumsum(np.diff(chain.random[:, 2, 2]) > UNKNOWN_HEADING)])

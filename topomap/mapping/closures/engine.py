@@ -14,8 +14,10 @@ import numpy as np
 from topomap.core.arrays import FloatArray, IntArray
 from topomap.core.records import Candidate, Decision, Verdict
 from topomap.mapping.closures.claims import Claims
-from topomap.mapping.closures.closure_tests import TESTS, ClosureTest, Knowledge
+from topomap.mapping.closures.closure_tests import TESTS, ClosureTest, Explains, Knowledge
 from topomap.mapping.closures.ledger import Ledger, key_of
+
+ALL = slice(None)
 
 
 class Weighed(NamedTuple):
@@ -34,16 +36,30 @@ class ClosureEngine:
         self.tests = tuple(tests)
         self.ledger = ledger or Ledger()
 
-    def weigh(self, claims: Claims, knowledge: Knowledge, bar: float) -> Weighed:
-        """Return the log odds of n claims; a test that can only lower them isn't asked about those below the bar."""
+    def weigh(self, claims: Claims, knowledge: Knowledge, bar: float, stage: slice = ALL) -> Weighed:
+        """Return the log odds of n claims; a test that can only lower them isn't asked about those below the bar.
+
+        stage: the part of the list that is asked, where not all can be asked at once.
+        """
         odds, failed = np.zeros(len(claims)), np.full(len(claims), -1)
-        for k, test in enumerate(self.tests):
+        for k, test in list(enumerate(self.tests))[stage]:
             left = np.flatnonzero(failed < 0)
             odds[left] += test.weigh(claims[left], knowledge.among(left))
             below = odds[left] < (bar if test.lowers else -np.inf)
             failed[left[below | np.isneginf(odds[left])]] = k
         failed[(failed < 0) & (odds < bar)] = len(self.tests) - 1
         return Weighed(odds, failed)
+
+    def reason(self, claims: Claims, knowledge: Knowledge, failed: int) -> str:
+        """Return in plain words why a test, given by its place in the list, speaks against a single claim."""
+        test = self.tests[failed]
+        if isinstance(test, Explains):
+            return test.reason(claims, knowledge)
+        return f"the test '{test.name}' speaks against it"
+
+    def beside_odometry(self, claims: Claims, knowledge: Knowledge) -> FloatArray:
+        """Return the log odds of n claims by the tests that may speak for a claim: looks, prevalence, a user's own."""
+        return np.asarray(sum((t.weigh(claims, knowledge) for t in self.tests if not t.lowers), np.zeros(len(claims))))
 
     def decide(self, stamp_ns: int, candidate: Candidate, verdict: Verdict, reason: str) -> Decision:
         """Write a verdict into the ledger, with the reason in plain words, and return it."""

@@ -81,7 +81,7 @@ def log_odds_beside_others(drive: Drive, state: MapState, closures: Claims, log_
     even, peak = log_chance(poses, blind), log_density(np.zeros(len(closures)), determinant, blind)
     density = log_density(chi2, determinant, blind) - peak + np.maximum(peak, even) - even
     crowding = log_crowding(replace(closures, covariance=spread), poses, np.zeros_like(spread))
-    return np.asarray(log_prior + closures.looks + density - crowding)
+    return np.asarray(log_prior + density - crowding)
 
 
 def _flat(covariance: FloatArray) -> FloatArray:

@@ -16,6 +16,7 @@ LONGEST = 64.0  # a claim's own loop with odometry is at most so long [m]: longe
 ASKED = 4000  # claims whose loops are heard: enough for a variance to 3 %
 STARTS = (1.0, 1e-1, 1e-2, 1e-3, 1e-4)
 ROUNDS, FEWEST = 30, 30
+STILL = 1e-4  # change of both scales in a round with which a fit has ended
 # of the true loops, up to the limit of a claim that fits; more than their mean square where tails are heavy
 SHARE = 0.99
 WIDER = 30.0  # times the scale of true loops is that of false ones between near places at least
@@ -63,12 +64,14 @@ def _mixture(chi2: FloatArray, peak: FloatArray, scale: float) -> tuple[float, f
         logs = np.stack([_log_t(chi2, peak, scale), peak - 1.5 * np.log(wide) - chi2 / (2 * wide), np.zeros(len(chi2))])
         logs += np.log(shares)[:, None]
         each = np.logaddexp.reduce(logs, axis=0)
-        likelihood = float(each.sum())
+        before, likelihood = (scale, wide), float(each.sum())
         weights = np.exp(logs - each)
         shares = np.clip(weights.mean(axis=1), 1e-6, 1 - 1e-6)
         pull = weights[0] * (TAILS + 3) / (TAILS + chi2 / scale)
         scale = max(float(pull @ chi2) / max(3 * float(weights[0].sum()), 1e-12), 1e-12)
         wide = max(float(weights[1] @ chi2) / max(3 * float(weights[1].sum()), 1e-12), WIDER * scale)
+        if abs(scale / before[0] - 1) < STILL and abs(wide / before[1] - 1) < STILL:
+            break
     total = np.cumsum(weights[0][order])
     share = min(SHARE, 1.0 - 0.5 / max(float(total[-1]), 1.0))  # of a few loops the last one isn't the 99th in 100
     last = min(int(np.searchsorted(total, share * total[-1])), len(order) - 1)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import accumulate, pairwise
+from typing import NamedTuple
 
 import numpy as np
 from pydantic import BaseModel, Field
@@ -13,15 +15,17 @@ from topomap.core.arrays import IntArray
 from topomap.core.evidence import Evidence
 from topomap.core.geometry import Pose2
 from topomap.core.records import Candidate, Decision, Verdict
-from topomap.mapping.closures.appearance import AppearanceSettings, AppearanceTest, Outcome
+from topomap.mapping.closures.appearance import Appearance, Outcome
 from topomap.mapping.closures.claims import Claims
-from topomap.mapping.closures.closure_tests import ClosureTest, Gate, Knowledge, Odometry
+from topomap.mapping.closures.closure_tests import AtPlace, ClosureTest, Gate, Knowledge, Looks, Supported
 from topomap.mapping.closures.engine import ClosureEngine
 from topomap.mapping.closures.ledger import Ledger
-from topomap.mapping.closures.odometry_gate import GateSettings, OdometryGate
+from topomap.mapping.closures.looks import LogRatio, UsualCost
+from topomap.mapping.closures.odds import mahalanobis
 from topomap.mapping.closures.relative_pose import RelativePoseEstimator, RelativePoseSettings
-from topomap.mapping.closures.same_place import SamePlaceSettings, SamePlaceTest
-from topomap.mapping.closures.voting import Voting, VotingSettings
+from topomap.mapping.closures.seen import Seen
+from topomap.mapping.closures.sight_tests import BY_SIGHT, BY_SPOT
+from topomap.mapping.closures.voting import Voting
 from topomap.mapping.optimisation import Optimisation
 from topomap.mapping.optimizer.problem import ClosureEdge
 from topomap.mapping.places.recognition import Proposal
@@ -30,19 +34,37 @@ from topomap.mapping.track import Track
 from topomap.mapping.uncertainty.reachability import Reachability
 from topomap.vision.contracts import Aligner
 
+REACH = 0.99  # probability that the true place is among those compared
+GATE = 0.95  # share of true closures that odometry lets pass
+ALONE = 1.2  # [m] where odometry knows the place better than this, it leaves no other
+
 
 class ClosingSettings(BaseModel, frozen=True, extra="forbid"):
     """How a closure is tested and measured."""
 
-    appearance: AppearanceSettings = Field(default_factory=AppearanceSettings)
-    gate: GateSettings = Field(default_factory=lambda: GateSettings(probability=0.95))
-    reach: float = Field(0.99, gt=0.5, lt=1, description="probability that the true place is among those compared")
+    certainty: float = Field(0.5, gt=0, lt=1, description="a closure less probable than this waits for others to agree")
     offset: RelativePoseSettings = Field(default_factory=RelativePoseSettings)
-    same_place: SamePlaceSettings = Field(default_factory=SamePlaceSettings)
-    voting: VotingSettings = Field(default_factory=VotingSettings)
-    alone: float = Field(
-        1.2, gt=0, description="where odometry knows the place better than this, it leaves no other [m]"
-    )
+
+
+class RobotTests(NamedTuple):
+    """The engine's tests in the order in which a robot can ask them: of what is seen, of the measured relative pose,
+    of the map for the few that are left and get a node of their own, and of others that agree, for what can't stand
+    alone.
+    """
+
+    sight: tuple[ClosureTest, ...] = BY_SIGHT
+    spot: tuple[ClosureTest, ...] = BY_SPOT
+    place: tuple[ClosureTest, ...] = (Looks(), AtPlace(), Gate(GATE))
+    company: tuple[ClosureTest, ...] = (Supported(),)
+
+    def all(self) -> tuple[ClosureTest, ...]:
+        """Return the list as the engine takes it."""
+        return (*self.sight, *self.spot, *self.place, *self.company)
+
+    def stages(self) -> tuple[slice, ...]:
+        """Return where the four parts stand in the list."""
+        ends = [0, *accumulate(map(len, self))]
+        return tuple(slice(*pair) for pair in pairwise(ends))
 
 
 class Closing:
@@ -56,21 +78,22 @@ class Closing:
         view_cache: ViewCache,
         ledger: Ledger,
         optimisation: Optimisation,
-        tests: Sequence[ClosureTest] = (),
+        tests: Sequence[ClosureTest] | RobotTests = (),
     ) -> None:
-        """tests: a user's own, asked before odometry."""
-        self._s = settings
+        """tests: a user's own, asked before odometry, or all of them."""
+        own = tests if isinstance(tests, RobotTests) else RobotTests(place=(*tests, *RobotTests().place))
         self._track, self._map, self._view_cache = track, track.map, view_cache
         self._optimisation = optimisation
-        self._appearance = AppearanceTest(settings.appearance, aligner)
-        self._gate = OdometryGate(settings.gate)
-        self._engine = ClosureEngine((*tests, Odometry(), Gate(settings.gate.probability)), ledger)
+        self._alone = math.log(settings.certainty / (1.0 - settings.certainty))
+        self._appearance = Appearance(aligner)
+        self._looks = LogRatio()
+        self._engine, self._stages = ClosureEngine(own.all(), ledger), own.stages()
         self._offset = RelativePoseEstimator(settings.offset)
-        self._same_place = SamePlaceTest(settings.same_place)
-        self._voting = Voting(settings.voting, track.map)
+        self._usual = UsualCost()
+        self._voting = Voting(track.map)
         self._testimonies: list[tuple[Candidate, bool, str]] = []
         self._unsaid: list[Decision] = []
-        self._reachability = Reachability(track.map, optimisation, settings.offset.position_sigma, settings.reach)
+        self._reachability = Reachability(track.map, optimisation, settings.offset.position_sigma, REACH)
 
     def within_reach(self, nodes: IntArray) -> IntArray:
         """Return those of some older nodes (n,) at which odometry allows the robot to be now."""
@@ -107,7 +130,8 @@ class Closing:
         self._voting.drop(candidate)
         if not agrees:
             return [self._engine.decide(stamp_ns, candidate, Verdict.REFUSED, reason)]
-        return self._vote(stamp_ns, _with(candidate, active=1.0), f"; {reason}")
+        checked = _with(candidate, active=1.0)
+        return self._vote(stamp_ns, checked, "odometry leaves several places open", f"; {reason}")
 
     def _by_sight(self, stamp_ns: int, proposal: Proposal) -> list[Decision]:
         """Compare the likeliest places in detail; a clear winner goes on to the odometry's test.
@@ -115,68 +139,92 @@ class Closing:
         Where odometry leaves several places open, the true one may not be on the map at all: then what looks alike
         elsewhere, out of reach, tells how much a likeness is worth.
         """
-        open_places = self._reachability.reach(proposal.places[0].node) > self._s.alone
+        open_places = self._reachability.reach(proposal.places[0].node) > ALONE
         near = {place.node for place in proposal.places}
         rivals = [rival for rival in proposal.rivals if open_places and rival.node not in near]
-        outcome = self._appearance.judge(
+        outcome = self._appearance.compare(
             proposal.moment.panorama, proposal.places, rivals, self._view_cache.panorama, self._map.length
         )
-        objection = outcome.objection
-        match = outcome.winner.match
-        if not objection and match.node not in proposal.moment.difference:
-            objection = "the place most alike is out of the odometry's reach"
-        if not objection and match.difference > proposal.limit:
-            objection = f"the view is as unlike it as other places are ({match.difference:.2f} > {proposal.limit:.2f})"
-        if objection:
-            candidate = self._candidate(proposal, outcome, Pose2(0.0, 0.0, outcome.winner.alignment.rotation))
+        looks = self._looks.of(self._elsewhere(proposal, outcome), open_places)
+        seen = self._seen(proposal, outcome)
+        rotated = Pose2(0.0, 0.0, outcome.winner.alignment.rotation)
+        candidate = self._candidate(proposal, outcome, rotated, looks)
+        if objection := self._objection(candidate, seen, self._stages[0]):
             return [self._engine.decide(stamp_ns, candidate, Verdict.REFUSED, objection)]
-        place = self._view_cache.panorama(match.node)
+        place = self._view_cache.panorama(outcome.winner.match.node)
         offset = self._offset.measure(outcome.winner, place, proposal.moment.panorama)
-        candidate = self._candidate(proposal, outcome, offset.relative)
-        candidate = _with(replace(candidate, covariance=offset.covariance), share=offset.share)
-        if unlike := self._same_place.objection(outcome.winner.alignment.residual, offset):
-            return [self._engine.decide(stamp_ns, candidate, Verdict.REFUSED, unlike)]
-        return self._by_odometry(stamp_ns, candidate, open_places)
+        candidate = replace(candidate, relative=offset.relative, covariance=offset.covariance)
+        candidate = _with(candidate, share=offset.share)
+        self._usual.learn(outcome.winner.alignment.residual)
+        if objection := self._objection(candidate, seen, self._stages[1]):
+            return [self._engine.decide(stamp_ns, candidate, Verdict.REFUSED, objection)]
+        return self._by_odometry(stamp_ns, candidate, seen, open_places)
 
-    def _candidate(self, proposal: Proposal, outcome: Outcome, relative: Pose2) -> Candidate:
-        winner = outcome.winner
-        cost = winner.alignment.residual
+    def _elsewhere(self, proposal: Proposal, outcome: Outcome) -> Outcome:
+        """Return an outcome with what places elsewhere cost, looked up where that isn't known at all yet."""
+        if self._looks.known or np.isfinite(outcome.elsewhere):
+            return outcome
+        cost = self._appearance.elsewhere(
+            proposal.moment.panorama, outcome.winner, proposal.rivals, self._view_cache.panorama, self._map.length
+        )
+        return replace(outcome, elsewhere=cost)
+
+    def _seen(self, proposal: Proposal, outcome: Outcome) -> Seen:
+        match, cost = outcome.winner.match, outcome.winner.alignment.residual
+        compared = match.node in proposal.moment.difference
+        return Seen.of_one(match.difference, proposal.limit, cost, outcome.ratio, self._usual.value, compared)
+
+    def _candidate(self, proposal: Proposal, outcome: Outcome, relative: Pose2, looks: float) -> Candidate:
+        match, cost = outcome.winner.match, outcome.winner.alignment.residual
         return Candidate(
             proposal.moment.stamp_ns,
-            winner.match.node,
-            self._map.nodes[winner.match.node].stamp_ns,
+            match.node,
+            self._map.nodes[match.node].stamp_ns,
             relative,
             self._offset.same_spot,
             max(0.0, 1.0 - cost),
-            evidence=Evidence(winner.match.difference, proposal.limit, cost, outcome.ratio),
+            evidence=Evidence(match.difference, proposal.limit, cost, outcome.ratio, looks=looks),
         )
 
-    def _by_odometry(self, stamp_ns: int, candidate: Candidate, open_places: bool) -> list[Decision]:
+    def _objection(self, candidate: Candidate, seen: Seen, stage: slice) -> str:
+        """Return why a candidate without a node of its own fails a stage, or an empty string."""
+        end = self._map.chain[-1]
+        claim = Claims.of_one(candidate.match, end, candidate.relative, candidate.covariance)
+        knowledge = Knowledge.of_one(self._map.poses, np.zeros((3, 3)), seen)
+        failed = int(self._engine.weigh(claim, knowledge, -np.inf, stage).failed[0])
+        return self._engine.reason(claim, knowledge, failed) if failed >= 0 else ""
+
+    def _by_odometry(self, stamp_ns: int, candidate: Candidate, seen: Seen, open_places: bool) -> list[Decision]:
         """Hold a candidate that was believed by sight against the way between the two nodes."""
         query = self._track.node_at(candidate.query_ns)
-        expected = self._map.pose(candidate.match).to(self._map.pose(query))
-        claim = Claims.of_one(candidate.match, query, candidate.relative, candidate.covariance)
-        errors = self._reachability.errors(candidate.match, query)
-        weighed = self._engine.weigh(claim, Knowledge.of_one(self._map.poses, errors), -np.inf)
-        finding = self._gate.judge(candidate, expected, self._reachability.seen(candidate.match, query, errors))
-        odds = float(weighed.log_odds[0]) if np.isfinite(weighed.log_odds[0]) else None
-        candidate = _with(replace(candidate, query=query), sigmas=finding.score, odds=odds)
-        if weighed.failed[0] >= 0:
-            test = self._engine.tests[int(weighed.failed[0])].name
-            reason = finding.reason if not finding.passed else f"the test '{test}' speaks against it"
+        candidate = replace(candidate, query=query)
+        claim = _claim(candidate)
+        knowledge = Knowledge.of_one(self._map.poses, self._reachability.errors(candidate.match, query), seen)
+        weighed = self._engine.weigh(claim, knowledge, -np.inf, self._stages[2])
+        failed, odds = int(weighed.failed[0]), float(weighed.log_odds[0])
+        chi2, _ = mahalanobis(claim, knowledge.poses, knowledge.errors)
+        candidate = _with(candidate, sigmas=math.sqrt(chi2[0]), odds=odds if np.isfinite(odds) else None)
+        if failed >= 0:
+            reason = self._engine.reason(claim, knowledge, failed)
             return [self._engine.decide(stamp_ns, candidate, Verdict.REFUSED, reason)]
-        if not open_places:
-            return [self._accept(stamp_ns, candidate, finding.reason)]
-        return self._vote(stamp_ns, candidate)
+        if open_places:
+            return self._vote(stamp_ns, candidate, "odometry leaves several places open")
+        if odds < self._alone:
+            return self._vote(stamp_ns, candidate, f"it may as well be a look-alike (log odds {odds:.1f})")
+        return [self._accept(stamp_ns, candidate, Gate(GATE).reason(claim, knowledge))]
 
-    def _vote(self, stamp_ns: int, candidate: Candidate, more: str = "") -> list[Decision]:
-        """Accept a candidate with all that agree, or let it wait; more: what else there is to say of it."""
-        agreeing = self._voting.add(candidate)
-        if not agreeing:
-            reason = f"odometry leaves several places open: waits for others that agree{more}"
+    def _vote(self, stamp_ns: int, candidate: Candidate, why: str, more: str = "") -> list[Decision]:
+        """Accept a candidate with all that agree, or let it wait; why it can't stand alone, and what more is known."""
+        company = self._voting.add(candidate)
+        claim = _claim(candidate)
+        knowledge = Knowledge.of_one(self._map.poses, np.zeros((3, 3)), support=company.support)
+        if self._engine.weigh(claim, knowledge, -np.inf, self._stages[3]).failed[0] >= 0:
+            reason = f"{why}: waits for others that agree{more}"
             return [self._engine.decide(stamp_ns, candidate, Verdict.PENDING, reason)]
-        checked = ", and an active check" if any(c.evidence.active for c in agreeing) else ""
-        return [self._accept(stamp_ns, c, f"{len(agreeing)} closures agree{checked}{more}") for c in agreeing]
+        self._voting.settle(company)
+        checked = ", and an active check" if any(c.evidence.active for c in company.agreeing) else ""
+        reason = f"{len(company.agreeing)} closures agree{checked}{more}"
+        return [self._accept(stamp_ns, c, reason) for c in company.agreeing]
 
     def _accept(self, stamp_ns: int, candidate: Candidate, reason: str) -> Decision:
         assert candidate.query is not None
@@ -186,6 +234,13 @@ class Closing:
         cost, ratio = candidate.evidence.cost or 0.0, candidate.evidence.ratio or 0.0
         seen = f"one place is alike (cost {cost:.2f}, ratio {ratio:.2f})"
         return self._engine.decide(stamp_ns, candidate, Verdict.ACCEPTED, f"{seen}; {reason}")
+
+
+def _claim(candidate: Candidate) -> Claims:
+    """Return a candidate with a node of its own as the engine takes it."""
+    assert candidate.query is not None
+    looks = candidate.evidence.looks or 0.0
+    return Claims.of_one(candidate.match, candidate.query, candidate.relative, candidate.covariance, looks)
 
 
 def _with(

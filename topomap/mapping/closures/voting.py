@@ -3,44 +3,46 @@
 from __future__ import annotations
 
 import math
-
-from pydantic import BaseModel, Field
+from typing import NamedTuple
 
 from topomap.core.records import Candidate
 from topomap.mapping.graph import TopoMap
 
+VOTES = 3.0  # clear closures that must agree, the new one included
+CLEAR = 0.75  # a vote counts fully if its place costs this share of its rival
+WITHIN = 8.0  # [m] way on which they must come
+DISTANCE, SHARE = 0.4, 0.05  # [m] how far they may disagree, and more by this share of the way between them
+ANGLE = math.radians(10.0)  # [rad] how far their rotations may disagree
 
-class VotingSettings(BaseModel, frozen=True, extra="forbid"):
-    """How many closures must agree where odometry leaves the place open."""
 
-    votes: float = Field(3, gt=0, description="clear closures that must agree, the new one included")
-    clear: float = Field(0.75, gt=0, lt=1, description="a vote counts fully if its place costs this share of its rival")
-    within: float = Field(8.0, gt=0, description="way on which they must come [m]")
-    distance: float = Field(0.4, gt=0, description="how far they may disagree [m] ...")
-    share: float = Field(0.05, ge=0, description="... plus this share of the way between them")
-    angle_deg: float = Field(10.0, gt=0, description="how far their rotations may disagree [degree]")
+class Company(NamedTuple):
+    """A candidate with all that agree with it, itself last, and their votes over those needed."""
+
+    agreeing: tuple[Candidate, ...]
+    support: float
 
 
 class Voting:
     """Keeps candidates until enough of them tell the same shift of the map, in either driving direction."""
 
-    def __init__(self, settings: VotingSettings, topo: TopoMap) -> None:
-        self._s = settings
+    def __init__(self, topo: TopoMap) -> None:
         self._map = topo
         self._waiting: list[Candidate] = []
 
-    def add(self, candidate: Candidate) -> tuple[Candidate, ...]:
-        """Take a candidate with a query node; return all that agree with it, itself last, or none yet.
+    def add(self, candidate: Candidate) -> Company:
+        """Take a candidate with a query node, which waits from now on; return all that agree with it.
 
         A place that hardly beats its rival is a small part of a vote: in a row of look-alikes the same wrong one wins
         again and again.
         """
         agreeing = tuple(other for other in self._waiting if self._agree(other, candidate))
         self._waiting.append(candidate)
-        if sum(map(self._weight, (*agreeing, candidate))) < self._s.votes - 1e-9:
-            return ()
-        self._waiting = [c for c in self._waiting if c not in agreeing and c is not candidate]
-        return (*agreeing, candidate)
+        every = (*agreeing, candidate)
+        return Company(every, (sum(map(self._weight, every)) + 1e-9) / VOTES)
+
+    def settle(self, company: Company) -> None:
+        """Forget those that were believed."""
+        self._waiting = [c for c in self._waiting if all(c is not other for other in company.agreeing)]
 
     def drop(self, candidate: Candidate) -> None:
         """Forget one that waits."""
@@ -48,13 +50,13 @@ class Voting:
 
     def expired(self, travel: float) -> tuple[Candidate, ...]:
         """Return and forget those that nothing supported in time; `travel`: the raw odometer way now [m]."""
-        late = tuple(c for c in self._waiting if travel - self._travel(c) > self._s.within)
+        late = tuple(c for c in self._waiting if travel - self._travel(c) > WITHIN)
         self._waiting = [c for c in self._waiting if c not in late]
         return late
 
     def _weight(self, candidate: Candidate) -> float:
         """Return how much of a vote a candidate is, in [0, 1], and one more if an active check speaks for it."""
-        clear = min(1.0, (1.0 - (candidate.evidence.ratio or 0.0)) / (1.0 - self._s.clear))
+        clear = min(1.0, (1.0 - (candidate.evidence.ratio or 0.0)) / (1.0 - CLEAR))
         return clear + (candidate.evidence.active or 0.0)
 
     def _agree(self, a: Candidate, b: Candidate) -> bool:
@@ -65,8 +67,8 @@ class Voting:
         told = self._map.pose(a.match) @ a.relative @ way
         found = self._map.pose(b.match) @ b.relative
         error = told.to(found)
-        allowed = self._s.distance + self._s.share * abs(self._travel(b) - self._travel(a))
-        return math.hypot(error.x, error.y) <= allowed and abs(error.heading) <= math.radians(self._s.angle_deg)
+        allowed = DISTANCE + SHARE * abs(self._travel(b) - self._travel(a))
+        return math.hypot(error.x, error.y) <= allowed and abs(error.heading) <= ANGLE
 
     def _travel(self, candidate: Candidate) -> float:
         assert candidate.query is not None

@@ -183,6 +183,14 @@ def integrate(increments: Increments, calibration: Calibration) -> tuple[FloatAr
     return delta, edge.covariances(calibration)[0], edge.jacobians(calibration)[0]
 
 
+def leading(relative: Pose2, calibration: Calibration) -> FloatArray:
+    """Return the raw increment (3,) forward, left [m], turn [rad] that leads along `relative` when corrected."""
+    c, s = math.cos(relative.heading / 2), math.sin(relative.heading / 2)
+    forward, left = c * relative.x + s * relative.y, c * relative.y - s * relative.x
+    turn = calibration.rotation_scale * relative.heading + calibration.curvature * forward
+    return np.array([calibration.distance_scale * forward, calibration.distance_scale * left, turn])
+
+
 def advance(pose: Pose2, motion: Motion) -> Pose2:
     """Return the pose after a (corrected) motion, laid as an arc."""
     c, s = math.cos(motion.turn / 2), math.sin(motion.turn / 2)

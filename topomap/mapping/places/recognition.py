@@ -29,14 +29,15 @@ COMPARED = 400
 PAUSE = 0.3
 """[m] Way between proposals: closer ones see the same pair of nodes."""
 
+THRESHOLD = 0.95
+"""Nothing is proposed above this share of the median difference to other places: true revisits differ by 0.1 to 0.7 of
+that in the middle, by world, first visits by 0.9 and more where places differ at all (bench looks' worlds)."""
+
 
 class RecognitionSettings(BaseModel, frozen=True, extra="forbid"):
     """When a place is proposed as seen before."""
 
     min_travel: float = Field(8.0, gt=0, description="way since a node before it can be seen again [m]")
-    threshold: float = Field(
-        0.95, gt=0, description="nothing is proposed above this share of the median difference to other places"
-    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -93,6 +94,11 @@ class Recognition:
         self._nodes.append(node)
         self._travel.append(travel)
 
+    def recall(self, node: int, travel: float, panorama: Panorama) -> None:
+        """Make a node of a loaded map findable, and learn from it how different other places look."""
+        self._learn(signature(panorama), travel)
+        self.add(node, travel, panorama)
+
     def old_nodes(self, travel: float) -> IntArray:
         """Return the snapshot nodes that lie far enough back on the way to be seen again."""
         return np.array(self._nodes[: self._old(travel)])
@@ -127,9 +133,14 @@ class Recognition:
         return self._matches(places, self.index.compare(view, places)), rivals
 
     @property
+    def far(self) -> float:
+        """The way after which a place can be seen again [m]."""
+        return self._s.min_travel
+
+    @property
     def limit(self) -> float:
         """The image difference above which nothing is proposed: a share of that to other places; 0 at first."""
-        return self._s.threshold * float(np.median(self._usual)) if self._usual else 0.0
+        return THRESHOLD * float(np.median(self._usual)) if self._usual else 0.0
 
     def _learn(self, view: Signature, travel: float) -> None:
         """Learn how different other places look, from nodes that were left too recently to be seen again."""

@@ -5,7 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
-from pydantic import BaseModel, Field
+from pydantic import BaseModel, Field, field_validator
+
+from topomap.core.errors import DataError
+from topomap.core.view_size import parse_view
 
 
 class SnapshotSettings(BaseModel, frozen=True, extra="forbid"):
@@ -17,6 +20,16 @@ class SnapshotSettings(BaseModel, frozen=True, extra="forbid"):
     threshold: float = Field(0.8, gt=0, description="image difference that asks for a snapshot (rms, z-normalised)")
     min_travel: float = Field(0.25, ge=0, description="least way between snapshots [m]")
     max_travel: float = Field(1.0, gt=0, description="longest way between snapshots [m]")
+    view: str = Field("full", description="what is kept: full, or columns x rows x bits of grey as 90x12x4 or 72x10x3")
+
+    @field_validator("view")
+    @classmethod
+    def _known(cls, text: str) -> str:
+        try:
+            parse_view(text)
+        except DataError as error:
+            raise ValueError(str(error)) from error
+        return text
 
 
 @dataclass(frozen=True, slots=True)

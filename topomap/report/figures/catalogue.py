@@ -10,8 +10,10 @@ from matplotlib.figure import Figure
 
 from topomap.core.arrays import FloatArray
 from topomap.core.run_data import RunData
+from topomap.evaluation.calibration import of_run
 from topomap.evaluation.closures import accepted, closures
 from topomap.evaluation.journey import reference_route
+from topomap.report.figures.calibration import SCORES, closure_calibration
 from topomap.report.figures.closures import closure_map
 from topomap.report.figures.cost import step_cost
 from topomap.report.figures.differences import image_difference, place_difference
@@ -64,6 +66,13 @@ def _no_closures(run: RunData) -> str | None:
 
 def _no_candidates(run: RunData) -> str | None:
     return _no_truth(run) or (None if closures(run) else "no closure was ever proposed")
+
+
+def _no_odds(run: RunData) -> str | None:
+    if run.truth is None:
+        return "the true poses aren't known"
+    told = any(of_run(run, score) is not None for score in SCORES)
+    return None if told else "no candidate's odds were logged"
 
 
 def _no_journey(run: RunData) -> str | None:
@@ -126,6 +135,13 @@ FIGURES: tuple[FigureKind, ...] = (
         " what the map accepted with all of its tests together.",
         precision_recall,
         _no_candidates,
+    ),
+    FigureKind(
+        "Calibration of the candidates",
+        "How often candidates were true revisits, by how probable that was said to be: on the dotted line a probability"
+        " is what it says. Looks are a likelihood ratio, shown as if true and false ones were equally frequent.",
+        closure_calibration,
+        _no_odds,
     ),
     FigureKind(
         "The way home",

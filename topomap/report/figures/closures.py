@@ -13,7 +13,7 @@ from topomap.core.arrays import FloatArray
 from topomap.core.records import Verdict
 from topomap.core.run_data import RunData
 from topomap.evaluation.closures import Closure, closures
-from topomap.evaluation.trajectory import step_at
+from topomap.evaluation.trajectory import true_pose
 from topomap.report.figures import style
 from topomap.report.figures.routes import draw_plan
 
@@ -61,8 +61,8 @@ def _draw_links(axes: Axes, run: RunData, truth: FloatArray, kept: list[Closure]
         own = [closure.candidate for closure in kept if style.closure_mark(closure) == look]
         if not own:
             continue
-        queries = truth[[step_at(run.stamps_ns, candidate.query_ns) for candidate in own], :2]
-        matches = truth[[step_at(run.stamps_ns, candidate.match_ns) for candidate in own], :2]
+        queries = np.array([true_pose(run, candidate.query_ns)[:2] for candidate in own]).reshape(-1, 2)
+        matches = np.array([true_pose(run, candidate.match_ns)[:2] for candidate in own]).reshape(-1, 2)
         links = list(np.stack([queries, matches], axis=1))
         faint = 0.7 if len(own) < 200 else 0.15
         axes.add_collection(LineCollection(links, colors=look.color, linewidths=1.0, alpha=faint))

@@ -1,0 +1,86 @@
+"""What is done with a solution: what it disbelieves is withdrawn, what fits comes back, what was held is unknown."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from topomap.core.geometry import Pose2
+from topomap.core.panorama import Panorama
+from topomap.core.records import Alignment, Candidate, Motion, Verdict
+from topomap.mapping.closures.ledger import Ledger
+from topomap.mapping.graph import TopoMap
+from topomap.mapping.optimisation import Optimisation, OptimisationSettings
+from topomap.mapping.optimizer.problem import PRIOR_SIGMAS, ClosureEdge, Problem, Solution
+from topomap.mapping.track import Track
+
+
+class Blind:
+    def align(self, current: Panorama, goal: Panorama, guess: float | None = None) -> Alignment:
+        return Alignment(0.0, 1.0)
+
+
+class Back:
+    """Stands for the back end: answers each solve with the next weights of the closures, and a covariance."""
+
+    def __init__(self, *weights: list[float], improved: bool = True) -> None:
+        self.weights, self.improved = list(weights), improved
+
+    def __call__(self, problem: Problem, *_: object) -> Iterator[None]:
+        yield
+        covariance = np.full((3, 3), 1e-6) + np.diag([1e-4, 1e-6, 1e-8])
+        found = np.array(self.weights.pop(0))
+        return Solution(problem.poses, problem.calibration, covariance, found, 1.0, 0.5, 3, self.improved)
+
+
+def line() -> tuple[TopoMap, list[ClosureEdge], list[Candidate]]:
+    """A map of six nodes and two closures on it."""
+    topo = TopoMap()
+    track = Track(topo)
+    for k in range(6):
+        track.advance(k, Motion(1.0, 0.0, 0.0, 1e-4 * np.eye(3), 0.25))
+        track.node_at(k)
+    edges = [ClosureEdge(0, 4, Pose2(), np.eye(3)), ClosureEdge(1, 5, Pose2(), np.eye(3))]
+    return topo, edges, [Candidate(e.j, e.i, e.i, e.relative, e.covariance, query=e.j) for e in edges]
+
+
+def believed(back: Back, monkeypatch: pytest.MonkeyPatch) -> tuple[TopoMap, Optimisation, Ledger]:
+    monkeypatch.setattr("topomap.mapping.optimisation.solving", back)
+    topo, edges, candidates = line()
+    optimisation, ledger = Optimisation(OptimisationSettings(), Blind(), topo), Ledger()
+    for edge, candidate in zip(edges, candidates, strict=True):
+        topo.close(edge)
+        optimisation.believe(edge, candidate)
+        ledger.decide(6, candidate, Verdict.ACCEPTED, "made up")
+    return topo, optimisation, ledger
+
+
+def test_what_a_solution_disbelieves_is_withdrawn_and_what_fits_again_comes_back(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    topo, optimisation, ledger = believed(Back([1.0, 0.49], [1.0, 0.51]), monkeypatch)
+    _, changed = optimisation.solve(7, ledger)
+    assert [(d.candidate.match, d.verdict) for d in changed] == [(1, Verdict.WITHDRAWN)]
+    assert [(e.i, e.j) for e in topo.closures] == [(0, 4)]
+    _, changed = optimisation.solve(8, ledger)
+    assert [(d.candidate.match, d.verdict) for d in changed] == [(1, Verdict.ACCEPTED)]
+    assert sorted((e.i, e.j) for e in topo.closures) == [(0, 4), (1, 5)]
+
+
+def test_a_worse_solution_changes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    topo, optimisation, ledger = believed(Back([0.0, 0.0], improved=False), monkeypatch)
+    assert optimisation.solve(7, ledger) == (False, [])
+    assert len(topo.closures) == 2
+
+
+def test_a_distance_scale_that_was_only_held_stays_as_unknown_as_before(monkeypatch: pytest.MonkeyPatch) -> None:
+    _, optimisation, ledger = believed(Back([1.0, 1.0]), monkeypatch)
+    optimisation.solve(7, ledger)
+    covariance = optimisation.covariance
+    assert covariance[2, 2] == PRIOR_SIGMAS[2] ** 2
+    assert not covariance[2, :2].any()
+    assert not covariance[:2, 2].any()
+    assert covariance[0, 0] == pytest.approx(1e-4 + 1e-6)
+    assert not optimisation.state.distance_scale.observed

@@ -1,0 +1,100 @@
+"""An odometer that counts nothing, turns that no view shows, ways that no command asked for."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from played import moved, taught
+
+from sim2d.records import SimReading
+from topomap.core.panorama import Panorama
+from topomap.core.records import Command
+from topomap.core.robot import Reading
+from topomap.mapping.odometry.increments import Calibration
+from topomap.navigation.odometry_check import BAD, OdometryCheck, Restated
+
+READINGS = [replace(reading, driven=False) for reading in taught(40)]
+CALIBRATION = Calibration(rotation_scale=1.04, curvature=0.0, distance_scale=0.95)
+
+
+def checked(readings: list[SimReading], commands: list[Command] | None = None) -> tuple[list[Reading], OdometryCheck]:
+    """What becomes of readings, each the answer to a command: what the driver of the lesson did."""
+    check = OdometryCheck()
+    told = commands or [did(reading) for reading in READINGS]
+    out = [
+        check.checked(reading, Panorama.from_reading(reading), command, CALIBRATION)
+        for reading, command in zip(readings, told, strict=True)
+    ]
+    return out, check
+
+
+def did(reading: SimReading) -> Command:
+    return Command(reading.motion.forward / 0.25 / 0.95, reading.motion.turn / 0.25)
+
+
+def test_a_good_odometer_is_left_alone() -> None:
+    out, check = checked(READINGS)
+    assert all(after is before for after, before in zip(out, READINGS, strict=True))
+    assert check.amiss == ""
+
+
+def test_a_dead_one_is_noticed_at_its_first_step_and_replaced() -> None:
+    dead = [*READINGS[:20], *(moved(reading, forward=0.0, turn=0.0) for reading in READINGS[20:])]
+    out, check = checked(dead)
+    assert [isinstance(reading, Restated) for reading in out] == [False] * 20 + [True] * 20
+    assert "odometry dead" in check.amiss
+    for true, told in zip(READINGS[20:], out[20:], strict=True):
+        assert told.motion.forward == pytest.approx(true.motion.forward, abs=0.01)
+        assert told.motion.turn == pytest.approx(true.motion.turn, abs=0.05)
+        assert np.linalg.eigvalsh(told.motion.covariance).min() > 0
+    assert out[30].stamp_ns == READINGS[30].stamp_ns
+    assert out[30].encoded == READINGS[30].encoded
+
+
+def test_a_robot_that_is_held_fast_has_no_dead_odometer() -> None:
+    held = [moved(READINGS[10], forward=0.0, turn=0.0)] * 20
+    out, check = checked(held, [Command(0.4)] * 20)
+    assert not any(isinstance(reading, Restated) for reading in out)
+    assert check.amiss == ""
+
+
+def test_turns_that_no_view_shows_are_the_views() -> None:
+    rng = np.random.default_rng(0)
+    noisy = [moved(reading, turn=reading.motion.turn + rng.normal(0.0, 0.3)) for reading in READINGS]
+    out, check = checked(noisy)
+    restated = [k for k, reading in enumerate(out) if isinstance(reading, Restated)]
+    assert BAD <= restated[0] <= 8
+    for k in restated:
+        assert out[k].motion.turn == pytest.approx(READINGS[k].motion.turn, abs=0.05)
+    assert "its turns can't be" in check.amiss
+
+
+def test_ways_that_no_command_asked_for_are_the_commands() -> None:
+    rng = np.random.default_rng(1)
+    noisy = [moved(reading, forward=reading.motion.forward + rng.normal(0.0, 0.1)) for reading in READINGS]
+    out, check = checked(noisy)
+    restated = [k for k, reading in enumerate(out) if isinstance(reading, Restated)]
+    assert len(restated) > 20
+    for k in restated:
+        assert out[k].motion.forward == pytest.approx(READINGS[k].motion.forward, abs=0.02)
+        assert out[k].motion.turn == READINGS[k].motion.turn
+    assert "its ways can't be" in check.amiss
+
+
+def test_wheels_that_take_their_time_are_believed() -> None:
+    slow = [moved(reading, forward=0.4 * reading.motion.forward) for reading in READINGS]
+    out, _ = checked(slow)
+    assert not any(isinstance(reading, Restated) for reading in out)
+
+
+def test_it_is_believed_again_once_it_is_well_and_never_judged_in_a_lesson() -> None:
+    rng = np.random.default_rng(0)
+    noisy = [moved(reading, turn=reading.motion.turn + rng.normal(0.0, 0.3)) for reading in READINGS[:20]]
+    out, check = checked([*noisy, *READINGS[20:]])
+    assert isinstance(out[19], Restated)
+    assert not isinstance(out[-1], Restated)
+    assert check.amiss == ""
+    lesson, check = checked([replace(reading, driven=True) for reading in [*noisy, *READINGS[20:]]])
+    assert not any(isinstance(reading, Restated) for reading in lesson)

@@ -1,0 +1,121 @@
+"""Many journeys over one taught map of a simulated world: each from a start and with a disturbance of its own."""
+
+from __future__ import annotations
+
+import copy
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from sim2d import worlds
+from sim2d.errors import WorldError
+from sim2d.robot import SimRobot
+from sim2d.streams import stream
+from topomap.app.config import RunConfig
+from topomap.app.disturbed import Disturbance, Disturbed
+from topomap.app.warm_up import warm_up
+from topomap.app.wiring import build_navigator
+from topomap.bench.journeys import Journey, Watched
+from topomap.core.arrays import FloatArray
+from topomap.core.errors import DataError
+from topomap.core.records import Phase, StepRecord
+from topomap.core.robot import Reading
+from topomap.mapping.mapper import Mapper
+from topomap.navigation import planner
+from topomap.navigation.runner import run
+
+FROM = 0.25
+"""[m] Truth kept of the lesson: one pose each so many metres, where a journey may start."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Taught:
+    """A taught map, the robot at the end of the lesson, the true pose (x, y, heading) at each stamp, the settings."""
+
+    world: str
+    seed: int
+    looks: int
+    robot: SimRobot
+    mapper: Mapper
+    truth: dict[int, tuple[float, float, float]]
+    config: RunConfig
+
+    def end(self) -> tuple[float, float, float]:
+        """Return where the lesson ended."""
+        return self.truth[max(self.truth)]
+
+    def places(self) -> FloatArray:
+        """Return the true poses (K, 3) of the lesson, FROM apart."""
+        kept = [self.end()]
+        for stamp in sorted(self.truth, reverse=True):
+            if math.dist(self.truth[stamp][:2], kept[-1][:2]) >= FROM:
+                kept.append(self.truth[stamp])
+        return np.array(kept)
+
+
+def teach(world: str, seed: int, looks: int, config: RunConfig) -> Taught:
+    """Drive the lesson of a world. Raises DataError for an unknown world."""
+    warm_up(config.stack)
+    try:
+        robot = SimRobot(worlds.load(world, looks), config.sim, seed)
+    except WorldError as error:
+        raise DataError(str(error)) from error
+    navigator = build_navigator(config.stack)
+    truth: dict[int, tuple[float, float, float]] = {}
+
+    class Lesson:
+        """Takes the truth of each step, and ends when the driver hands over."""
+
+        over = False
+
+        def observe(self, reading: Reading, record: StepRecord) -> None:
+            now = robot.truth()
+            truth[reading.stamp_ns] = (now.x, now.y, now.heading)
+            self.over = not reading.driven
+
+    lesson = Lesson()
+    run(_Kept(robot), navigator, (lesson,), lambda: lesson.over)
+    return Taught(world, seed, looks, robot, navigator.mapper, truth, config)
+
+
+class _Kept:
+    """A robot that outlives a run: stopping it only stops its wheels."""
+
+    def __init__(self, robot: SimRobot) -> None:
+        self._robot = robot
+        self.sense, self.act = robot.sense, robot.act
+
+    def stop(self) -> None:
+        self._robot.rest()
+
+
+def journeys(taught: Taught, goal: int, disturbances: list[Disturbance], steps: int = 6000) -> Iterator[Journey]:
+    """Travel to a node once for each disturbance, always with the map as it was after the lesson."""
+    for number, disturbance in enumerate(disturbances):
+        rng = stream(taught.seed, f"journey {number} {disturbance.kind}")
+        yield travel(taught, goal, disturbance, rng, steps)
+
+
+def travel(taught: Taught, goal: int, disturbance: Disturbance, rng: np.random.Generator, steps: int) -> Journey:
+    """Make one journey and judge it by the truth."""
+    config = taught.config.stack
+    mission = config.mission.model_copy(update={"goal_node": goal})
+    navigator = build_navigator(config.model_copy(update={"mission": mission}))
+    navigator.take(copy.deepcopy(taught.mapper))
+    topo = navigator.mapper.map
+    taught.robot.put(*taught.end())
+    robot = Disturbed(taught.robot, disturbance, taught.places(), rng)
+    watched = Watched(taught.robot.truth)
+    run(robot, navigator, (watched,), lambda: watched.steps >= steps)
+    target = taught.truth[topo.nodes[goal].stamp_ns]
+    planned = _length(topo.poses, planner.route(taught.mapper.map, taught.mapper.map.chain[-1], goal))
+    return watched.judged(
+        taught.world, disturbance.kind, goal, navigator.phase is Phase.ARRIVED,
+        target[:2], planned,
+    )  # fmt: skip
+
+
+def _length(poses: FloatArray, path: list[int]) -> float:
+    return float(np.hypot(*np.diff(poses[path, :2], axis=0).T).sum())

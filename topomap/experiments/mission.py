@@ -1,0 +1,101 @@
+"""The mission table: where every row of the thesis stands, as Markdown, checked against what is there."""
+
+from __future__ import annotations
+
+from dataclasses import astuple, dataclass
+
+from topomap.core.errors import DataError
+from topomap.experiments import STUDIES
+from topomap.experiments.mission_rows import ROWS
+from topomap.vision.compass import ALIGNERS
+from topomap.vision.homing import METHODS, POLICIES, REFERENCE_METHODS
+from topomap.vision.registry import Entry, entries
+
+HEAD = ("item", "what", "called", "test", "thesis", "ours")
+KINDS: dict[str, set[str]] = {
+    "method": {*METHODS, *REFERENCE_METHODS, *POLICIES},
+    "study": set(STUDIES),
+    "aligner": set(ALIGNERS),
+}
+COMMAND = {"method": "topomap bench homing --methods", "study": "topomap bench study", "aligner": "--compass"}
+
+
+@dataclass(frozen=True, slots=True)
+class MissionRow:
+    """A row: the thesis's item (figure, table, equation or section), what it is, how it is called, its test, the
+    thesis's figure and ours.
+    """
+
+    item: str
+    what: str
+    called: str
+    test: str
+    thesis: str
+    ours: str
+
+    @property
+    def names(self) -> tuple[str, tuple[str, ...]]:
+        """The kind of call and the names called; ("-", ()) for none."""
+        kind, _, rest = self.called.partition(" ")
+        return kind, tuple(name.strip() for name in rest.split(",") if name.strip())
+
+
+def mission_rows() -> list[MissionRow]:
+    """Return the rows. Raises DataError for one with an empty cell or a name that isn't there."""
+    rows = [MissionRow(*(cell.strip() for cell in line.split(" | "))) for line in ROWS.strip().splitlines()]
+    for row in rows:
+        if not all(astuple(row)):
+            raise DataError(f"mission row {row.item}: has an empty cell")
+        kind, names = row.names
+        missing = [name for name in names if kind in KINDS and name not in KINDS[kind]]
+        if missing:
+            raise DataError(f"mission row {row.item}: there is no {kind} {', '.join(missing)}")
+    return rows
+
+
+def mission_table() -> str:
+    """Return the whole table as Markdown: figures, tables and sections first, then the methods of the registry."""
+    rows = mission_rows()
+    open_rows = sum(row.ours.startswith("open:") for row in rows)
+    lines = [
+        "# The thesis, row by row",
+        "",
+        "Written by `topomap bench mission`; a test keeps it in step. Errors are mean angular errors in degrees.",
+        f"{len(rows)} rows, {open_rows} open.",
+        "",
+        _line(HEAD),
+        _line(["---"] * len(HEAD)),
+        *(_line([row.item, row.what, _call(row), _test(row), row.thesis, row.ours]) for row in rows),
+        "",
+        "## Methods",
+        "",
+        _line(("row", "name", "kind", "needs", "homes", "source", "test")),
+        _line(["---"] * 7),
+        *(_line(_method(entry)) for entry in entries()),
+        "",
+    ]
+    return "\n".join(lines)
+
+
+def _line(cells: tuple[str, ...] | list[str]) -> str:
+    return f"| {' | '.join(cells)} |"
+
+
+def _call(row: MissionRow) -> str:
+    kind, names = row.names
+    if kind not in COMMAND:
+        return row.called
+    joined = ",".join(names) if kind == "method" else " / ".join(names)
+    return f"`{COMMAND[kind]} {joined}`"
+
+
+def _test(row: MissionRow) -> str:
+    return row.test if row.test == "-" else f"`{row.test}`"
+
+
+def _method(entry: Entry) -> list[str]:
+    kind = "aligners" if entry.kind == "aligner" else "policies" if entry.kind == "policy" else "eight_directions"
+    test = {"aligners": "test_aligners_in_eight_directions", "policies": "test_policies_arrive_where_luck_would_not"}
+    guard = test.get(kind, "test_eight_directions" if entry.homes else "test_turning_the_views_turns_the_answer")
+    return [entry.row, f"`{entry.name}`", entry.kind, entry.needs or "nothing", "yes" if entry.homes else "no",
+            entry.source or "own", f"`test_conformance.py::{guard}`"]  # fmt: skip

@@ -1,0 +1,132 @@
+"""The finished map: every claim weighed by it, what strains it taken out, each closure tested beside the others."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.special import expit
+
+from topomap.core.arrays import BoolArray, FloatArray, IntArray
+from topomap.mapping.closures.clusters import STRIDE
+from topomap.mapping.closures.evidence import log_odds_beside_others
+from topomap.mapping.closures.odds import mahalanobis
+from topomap.mapping.closures.prevalence import GATE
+from topomap.mapping.closures.strain import strained
+from topomap.mapping.closures.working_map import CLOSING, FEW, LIKELY, SEVERAL, SURE, UNLIKELY, WorkingMap
+from topomap.mapping.uncertainty.network import PathNetwork
+from topomap.mapping.uncertainty.odometry_chain import carried_to_origin
+
+FALSE = 3e-4  # share of false ones that the finished map's closures may hold by their odds
+DOUBT = 1e-3  # share of false ones among closures tested beside the others up to which lone ones stand
+SETTLINGS = 6  # at most: solve, take out what strains the map, solve
+SETTLED = 1e-3  # share of new closures with which the finished map is no longer solved anew
+
+
+def settle(working: WorkingMap) -> None:
+    """Weigh every claim by the map and solve with the likely ones until nothing strains it."""
+    if not len(working.standing):
+        return
+    suspected = np.zeros(len(working.clusters), bool)
+    for turn in range(SETTLINGS):
+        working.told(0.7 + 0.3 * turn / SETTLINGS, f"{len(working.standing)} closures, settling")
+        before, likely = len(working.standing), _likely(working, suspected)
+        if not before:  # all were taken out: what comes back has as far to pull as at first
+            working.pull(likely)
+        working.solve(likely, CLOSING)
+        tense = _strained(working) & ~suspected
+        if turn == SETTLINGS - 1 or (not tense.any() and len(working.standing) <= before * (1 + SETTLED)):
+            break
+        if tense.any():
+            suspected = suspected | tense
+            working.solve(working.standing[~tense[working.clusters.label[working.standing]]], CLOSING)
+
+
+def confirm(working: WorkingMap) -> None:
+    """Take out, the weakest first, what the others that stand don't make likely: what stands vouches for itself."""
+    while len(working.standing):
+        ones = working.ones()
+        label = working.clusters.label[ones]
+        odds = log_odds_beside_others(working.drive, working.map, working.claims[ones], working.prior_odds(ones))
+        weak = _doubtful(odds, working.clusters.size[label])
+        if not len(weak):
+            return
+        # a quarter of them at a time: with the weakest out the others may be stronger
+        out = label[weak[np.argsort(odds[weak], kind="stable")[: 1 + len(weak) // 4]]]
+        gone = np.isin(working.clusters.label[working.standing], out)
+        working.odds[working.standing[gone]] = np.minimum(working.odds[working.standing[gone]], LIKELY)
+        working.solve(working.standing[~gone], CLOSING)
+
+
+def _doubtful(odds: FloatArray, size: IntArray) -> IntArray:
+    """Return which of n clusters of some size (n,) are to be doubted, lone ones sooner than several that agree."""
+    order = np.argsort(-odds, kind="stable")
+    share = np.cumsum(expit(-odds[order])) / np.arange(1, len(order) + 1)
+    return np.asarray(order[((share > DOUBT) & (size[order] < SEVERAL)) | (odds[order] < LIKELY)])
+
+
+def undecided(working: WorkingMap) -> int:
+    """Return how many clusters don't stand though the map, as it is settled, doesn't make them unlikely."""
+    label = working.clusters.label
+    left = np.zeros(len(working.clusters), bool)
+    left[label[working.odds > -UNLIKELY]] = True
+    left[label[working.standing]] = False
+    return int((left & working.allowed).sum())
+
+
+def _strained(working: WorkingMap) -> BoolArray:
+    """Return which clusters (K,) strain the map."""
+    return strained(working.map.poses, working.claims, working.clusters.label, working.standing, working.network())
+
+
+def _likely(working: WorkingMap, suspected: BoolArray) -> IntArray:
+    """Return all claims that the map makes likely; suspected clusters (K,) come back as they once came in."""
+    network, label, claims = working.network(), working.clusters.label, working.claims
+    errors, member = beside_standing(working, network)
+    others = np.flatnonzero(~member & working.allowed[label])
+    if len(others) > FEW:
+        own = claims[others]
+        chi2, _ = mahalanobis(own, working.map.poses, network.upper_bounds(own.i, own.j))
+        others = others[chi2 <= 2 * GATE]
+    errors[others] = network.errors(claims.i[others], claims.j[others])
+    near = np.union1d(others, np.flatnonzero(member))
+    working.odds[:] = -np.inf
+    working.weigh(near, errors[near], UNLIKELY)
+    odds = working.odds
+    best = near[np.argsort(-odds[near], kind="stable")]
+    best = best[odds[best] >= UNLIKELY]
+    false = np.cumsum(expit(-odds[best])) / np.arange(1, len(best) + 1)
+    back = suspected[label[best]] & (working.clusters.size[label[best]] >= SEVERAL)
+    return np.sort(best[(false <= FALSE) | (odds[best] >= np.where(back, LIKELY, SURE))])
+
+
+def _known(working: WorkingMap, network: PathNetwork, anchors: IntArray) -> FloatArray:
+    """Return errors (n, 3, 3) about the origin between the places of standing claims (n,).
+
+    Of many they are read from the solve, where all paths count: a search for the best path of each took most of the
+    time on w10000, with 10,000 of them.
+    """
+    own = working.claims[anchors]
+    if len(anchors) <= FEW or not working.drive.held or own.blind.any():
+        return network.errors(own.i, own.j)
+    poses = working.map.poses
+    _, known = working.drive.solver.known(poses, own.closures())
+    carry = carried_to_origin(poses[own.i], poses[own.j])
+    return np.asarray(carry @ known @ carry.transpose(0, 2, 1))
+
+
+def beside_standing(working: WorkingMap, network: PathNetwork) -> tuple[FloatArray, BoolArray]:
+    """Return errors (M, 3, 3) about the origin for members of standing clusters, and which claims (M,) these are.
+
+    A member's path leads over the closure of the same cluster beside it: no search is needed for each of thousands.
+    """
+    claims, standing = working.claims, working.standing
+    cell = working.clusters.label * (len(working.map.poses) // STRIDE + 1) + claims.i // STRIDE
+    cells, first = np.unique(cell[standing], return_index=True)
+    anchors = standing[first]
+    place = np.minimum(np.searchsorted(cells, cell), max(len(cells) - 1, 0))
+    member = cells[place] == cell if len(cells) else np.zeros(len(claims), bool)
+    errors = np.zeros((len(claims), 3, 3))
+    known = _known(working, network, anchors)
+    own, beside = np.flatnonzero(member), anchors[place[member]]
+    errors[own] = known[place[own]] + network.along(claims.i[own], claims.i[beside])
+    errors[own] += network.along(claims.j[own], claims.j[beside])
+    return errors, member

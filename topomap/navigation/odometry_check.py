@@ -1,0 +1,134 @@
+"""The odometer held against the wheels' command and the view; where it can't be true, these stand in for it.
+
+Only while the stack drives: what a driver told the wheels isn't known.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+
+from topomap.core.arrays import Float32Array, Image
+from topomap.core.geometry import wrap
+from topomap.core.panorama import Panorama
+from topomap.core.records import Command, Motion
+from topomap.core.robot import MotionReading, Reading, RigReading
+from topomap.mapping.odometry.increments import Calibration
+from topomap.vision.image.compare import rotation_difference, signature
+
+TURN_OFF = 0.1
+"""[rad] A turn this far from the one between two views isn't true: undisturbed they agree to 2.5 degrees, and to 5
+where people pass, in three worlds."""
+MORE, BACK = 1.5, 0.02
+"""An odometer can't count this many times the commanded way (and [m] more), nor so far back [m]; less it can: wheels
+take time, and are blocked."""
+WINDOW, BAD, WELL = 8, 3, 0
+"""Steps looked back on; so many untrue ones of them, and the odometer isn't believed; with no more than these it is
+again."""
+SEEN_MOVE, SEEN_TURN = 0.06, 0.03
+"""Difference of two views, and turn between them [rad], above which the robot has moved: at rest pixel noise makes 0.01
+and 0.002."""
+FORWARD_SIGMA, SIDE_SIGMA, TURN_SIGMA = 0.03, 0.01, 0.03
+"""[m, m, rad] Error a step of what stands in: a third of a step's way; the compass between two views."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Restated:
+    """A reading with another motion."""
+
+    reading: Reading
+    motion: MotionReading
+
+    @property
+    def stamp_ns(self) -> int:
+        return self.reading.stamp_ns
+
+    @property
+    def image(self) -> Image:
+        return self.reading.image
+
+    @property
+    def encoded(self) -> bytes:
+        return self.reading.encoded
+
+    @property
+    def ranges(self) -> Float32Array | None:
+        return self.reading.ranges
+
+    @property
+    def rig(self) -> RigReading:
+        return self.reading.rig
+
+    @property
+    def contact(self) -> bool:
+        return self.reading.contact
+
+    @property
+    def driven(self) -> bool:
+        return self.reading.driven
+
+
+class OdometryCheck:
+    """Judges each increment, and restates what can't be true.
+
+    dead, turns, ways: whether the odometer counts nothing, or its turns or ways aren't believed.
+    """
+
+    def __init__(self) -> None:
+        self.dead = self.turns = self.ways = False
+        self._bad_turns: deque[bool] = deque(maxlen=WINDOW)
+        self._bad_ways: deque[bool] = deque(maxlen=WINDOW)
+        self._previous: Panorama | None = None
+
+    @property
+    def amiss(self) -> str:
+        """What isn't believed, in words, or ""."""
+        if self.dead:
+            return "odometry dead: it counts nothing though the view moves; the commands stand in for it"
+        what = " and ".join(["turns"] * self.turns + ["ways"] * self.ways)
+        return f"odometry untrue: its {what} can't be; view and commands stand in for it" if what else ""
+
+    def checked(self, reading: Reading, panorama: Panorama, told: Command, calibration: Calibration) -> Reading:
+        """Return the reading, with another motion where its own can't be true; told: the command it answers."""
+        before, self._previous = self._previous, panorama
+        if reading.driven or before is None:
+            self._bad_turns.clear()
+            self._bad_ways.clear()
+            self.dead = self.turns = self.ways = False
+            return reading
+        difference, seen = rotation_difference(signature(panorama), signature(before))
+        moved = difference > SEEN_MOVE or abs(seen) > SEEN_TURN
+        way = told.forward * reading.motion.dt
+        self._judge(reading.motion, way, seen, moved, told)
+        if not (self.dead or self.turns or self.ways):
+            return reading
+        return Restated(reading, self._instead(reading.motion, way if moved else 0.0, seen, calibration))
+
+    def _judge(self, motion: MotionReading, way: float, seen: float, moved: bool, told: Command) -> None:
+        still = bool(motion.forward == 0.0 and motion.turn == 0.0)
+        if not still:
+            self.dead = False
+        elif moved and told != Command():
+            self.dead = True
+        self._bad_turns.append(bool(not still and abs(wrap(float(motion.turn) - seen)) > TURN_OFF))
+        ahead = max(way, 0.0)
+        untrue = motion.forward > MORE * ahead + BACK or motion.forward < min(way, 0.0) - BACK
+        self._bad_ways.append(bool(untrue))
+        self.turns = sum(self._bad_turns) >= BAD or (self.turns and sum(self._bad_turns) > WELL)
+        self.ways = sum(self._bad_ways) >= BAD or (self.ways and sum(self._bad_ways) > WELL)
+
+    def _instead(self, read: MotionReading, way: float, seen: float, calibration: Calibration) -> Motion:
+        """Return what the odometer should have read: it is corrected by its calibration later on."""
+        covariance = np.array(read.covariance, np.float64)
+        forward, turn = float(read.forward), float(read.turn)
+        if self.dead or self.ways:
+            forward = way * calibration.distance_scale
+            covariance[0, :], covariance[:, 0] = 0.0, 0.0
+            covariance[0, 0], covariance[1, 1] = FORWARD_SIGMA**2, SIDE_SIGMA**2
+        if self.dead or self.turns:
+            turn = seen * calibration.rotation_scale + calibration.curvature * forward / calibration.distance_scale
+            covariance[2, :], covariance[:, 2] = 0.0, 0.0
+            covariance[2, 2] = TURN_SIGMA**2
+        return Motion(forward, float(read.left), turn, covariance, float(read.dt))
