@@ -43,6 +43,7 @@ class OdometryWatch:
         self._changes: deque[float] = deque(maxlen=MEMORY)
         self._ways: deque[float] = deque(maxlen=MEMORY)
         self._latest: deque[float] = deque(maxlen=LATELY)
+        self._lately = 0.0
         self._dead = self._spinning = 0
 
     @property
@@ -57,10 +58,10 @@ class OdometryWatch:
             return ""
         change = _change(panorama, previous, float(motion.turn))
         way = abs(motion.forward) + abs(motion.left) + TURN_WAY * abs(motion.turn)
-        if len(self._changes) >= FEWEST and self._jumped(change, way):
-            self._latest.append(change)
-            return f"carried away: the view changed by {change:.2f}, {self._usual:.2f} is usual over a step"
+        self._lately = max(self._latest, default=0.0)
         self._latest.append(change)
+        if len(self._changes) >= FEWEST and self._jumped(change, way):
+            return f"carried away: the view changed by {change:.2f}, {self._usual:.2f} is usual over a step"
         ended = self._contradicted(change, way, abs(motion.forward) + abs(motion.left))
         if way > self._still and not self._spinning and change < TIMES * max(self._usual, LEAST):
             self._changes.append(change)
@@ -78,7 +79,7 @@ class OdometryWatch:
 
     def _jumped(self, change: float, way: float) -> bool:
         longer = max(1.0, way / float(np.median(self._ways)))
-        return change > max(TIMES * self._usual * longer, LEAST, MORE * max(self._latest, default=0.0))
+        return change > max(TIMES * self._usual * longer, LEAST, MORE * self._lately)
 
     def _contradicted(self, change: float, way: float, driven: float) -> str:
         """Count the steps in which the wheels stand and the view moves, or the other way round.
