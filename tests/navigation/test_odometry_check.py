@@ -15,7 +15,7 @@ from topomap.core.robot import Reading
 from topomap.mapping.odometry.increments import Calibration
 from topomap.navigation.odometry_check import BAD, OdometryCheck, Restated
 
-READINGS = [replace(reading, driven=False) for reading in taught(40)]
+READINGS = [replace(reading, driven=False) for reading in taught(70)]
 CALIBRATION = Calibration(rotation_scale=1.04, curvature=0.0, distance_scale=0.95)
 
 
@@ -43,7 +43,7 @@ def test_a_good_odometer_is_left_alone() -> None:
 def test_a_dead_one_is_noticed_at_its_first_step_and_replaced() -> None:
     dead = [*READINGS[:20], *(moved(reading, forward=0.0, turn=0.0) for reading in READINGS[20:])]
     out, check = checked(dead)
-    assert [isinstance(reading, Restated) for reading in out] == [False] * 20 + [True] * 20
+    assert [isinstance(reading, Restated) for reading in out] == [False] * 20 + [True] * 50
     assert "odometry dead" in check.amiss
     for true, told in zip(READINGS[20:], out[20:], strict=True):
         assert told.motion.forward == pytest.approx(true.motion.forward, abs=0.01)

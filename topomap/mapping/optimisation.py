@@ -128,6 +128,22 @@ class Optimisation:
         on_map = {(c.i, c.j) for c in self._map.closures}
         return [(edge, candidate) for edge, candidate in self._closures if (edge.i, edge.j) in on_map]
 
+    def disbelieve(self, stamp_ns: int, ledger: Ledger, behind: set[int], reason: str) -> list[Decision]:
+        """Take back for good what joins nodes `behind` a gap with others: it was seen by one who was elsewhere."""
+        kept, changed = [], []
+        on_map = {(c.i, c.j) for c in self._map.closures}
+        for edge, candidate in self._closures:
+            if (edge.i in behind) == (edge.j in behind):
+                kept.append((edge, candidate))
+                continue
+            if (edge.i, edge.j) in on_map:
+                self._map.remove(edge)
+                changed.append(ledger.decide(stamp_ns, candidate, Verdict.WITHDRAWN, reason))
+        if len(kept) < len(self._closures):
+            self._running = None  # it was asked of closures that are no more
+            self._closures = kept
+        return changed
+
     def solve(self, stamp_ns: int, ledger: Ledger) -> tuple[bool, list[Decision]]:
         """Solve the whole map now; return whether it was moved and which verdicts changed."""
         self._start()

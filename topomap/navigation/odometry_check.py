@@ -24,9 +24,10 @@ where people pass, in three worlds."""
 MORE, BACK = 1.5, 0.02
 """An odometer can't count this many times the commanded way (and [m] more), nor so far back [m]; less it can: wheels
 take time, and are blocked."""
-WINDOW, BAD, WELL = 8, 3, 0
-"""Steps looked back on; so many untrue ones of them, and the odometer isn't believed; with no more than these it is
-again."""
+WINDOW, BAD = 8, 3
+"""Steps looked back on; so many untrue ones of them, and the odometer isn't believed: one is a person or a slip."""
+WELL = 40
+"""Steps without an untrue one after which it is believed again: noise that shows in one step of three hides for 8."""
 SEEN_MOVE, SEEN_TURN = 0.06, 0.03
 """Difference of two views, and turn between them [rad], above which the robot has moved: at rest pixel noise makes 0.01
 and 0.002."""
@@ -78,8 +79,8 @@ class OdometryCheck:
 
     def __init__(self) -> None:
         self.dead = self.turns = self.ways = False
-        self._bad_turns: deque[bool] = deque(maxlen=WINDOW)
-        self._bad_ways: deque[bool] = deque(maxlen=WINDOW)
+        self._bad_turns: deque[bool] = deque(maxlen=WELL)
+        self._bad_ways: deque[bool] = deque(maxlen=WELL)
         self._previous: Panorama | None = None
 
     @property
@@ -116,8 +117,8 @@ class OdometryCheck:
         ahead = max(way, 0.0)
         untrue = motion.forward > MORE * ahead + BACK or motion.forward < min(way, 0.0) - BACK
         self._bad_ways.append(bool(untrue))
-        self.turns = sum(self._bad_turns) >= BAD or (self.turns and sum(self._bad_turns) > WELL)
-        self.ways = sum(self._bad_ways) >= BAD or (self.ways and sum(self._bad_ways) > WELL)
+        self.turns = _untrue(self._bad_turns, self.turns)
+        self.ways = _untrue(self._bad_ways, self.ways)
 
     def _instead(self, read: MotionReading, way: float, seen: float, calibration: Calibration) -> Motion:
         """Return what the odometer should have read: it is corrected by its calibration later on."""
@@ -132,3 +133,8 @@ class OdometryCheck:
             covariance[2, :], covariance[:, 2] = 0.0, 0.0
             covariance[2, 2] = TURN_SIGMA**2
         return Motion(forward, float(read.left), turn, covariance, float(read.dt))
+
+
+def _untrue(bad: deque[bool], already: bool) -> bool:
+    """Return whether so many steps of late were untrue, or one of those looked back on where it wasn't believed."""
+    return sum(list(bad)[-WINDOW:]) >= BAD or (already and any(bad))
