@@ -21,9 +21,9 @@ FAILED = 10.0
 """[m] Price of an edge that fails every time: a way round of that length is tried first."""
 GAP = 100.0
 """[m^2] Variance of a step above which it is a gap in the odometry: no odometer errs by 10 m a step."""
-SHUT_S = 180.0
-"""[s] Time for which an edge that just failed isn't planned at all ..."""
-MEMORY_S = 1800.0
+SHUT_S = 600.0
+"""[s] Time for which an edge that just failed isn't planned at all: at 0.35 m/s a way round of 200 m ..."""
+MEMORY_S = 6000.0
 """[s] ... and over which its failures lose their weight: a door that was shut is open another day."""
 SHUT_RADIUS = 0.45
 """[m] What leads nearer than this past a place where nothing got through is shut as well: half a door's width."""
