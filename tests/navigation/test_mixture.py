@@ -78,3 +78,12 @@ def test_a_likeness_that_half_the_map_has_says_little() -> None:
     assert float(log_ratio(alike, common)[0]) < 0.7
     assert float(log_ratio(np.array([1.0]), unique)[0]) < -1.5
     assert AGAINST <= float(log_ratio(np.array([5.0]), unique)[0]) <= FOR
+
+
+def test_a_break_leaves_little_and_forgets_what_was_seen_before_it() -> None:
+    start = Mixture.at(np.zeros(3), SMALL, 1e-3)
+    seen = Mixture(start.poses, start.covariances, start.weights, np.array([0.05]), start.elsewhere)
+    after = seen.shaken(0.8)
+    assert math.exp(after.weights[0]) == pytest.approx(0.2, abs=1e-3)
+    assert sum(probabilities(after)) == pytest.approx(1.0)
+    assert np.isinf(after.best).all()

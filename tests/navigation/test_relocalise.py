@@ -13,12 +13,17 @@ from topomap.core.arrays import Float32Array
 from topomap.core.geometry import Pose2
 from topomap.core.panorama import Panorama
 from topomap.core.records import Command, Goal, Phase, Where
-from topomap.mapping.graph import TopoMap
-from topomap.mapping.track import Track
+from topomap.mapping.mapper import Mapper, MapperSettings
 from topomap.navigation.manoeuvres.relocalise import WAY, Relocalise, free_bearing
 from topomap.navigation.pilot import Pilot, PilotSettings
+from topomap.vision.registry import aligner
 
 GOAL = Goal(Phase.TRAVEL, 0)
+
+
+def a_mapper() -> Mapper:
+    """A mapper that has seen nothing yet."""
+    return Mapper(MapperSettings(), aligner("min-warping"))
 
 
 def where(lost: float) -> Where:
@@ -37,42 +42,42 @@ def corridor(ahead: float) -> Float32Array:
     return np.minimum(walls, front).astype(np.float32)
 
 
-def lost_step(manoeuvre: Relocalise, track: Track, lost: float, contact: bool = False) -> Command | None:
-    done = manoeuvre.step(view(corridor(9.0)), contact, where(lost), GOAL, track)
+def lost_step(manoeuvre: Relocalise, mapper: Mapper, lost: float, contact: bool = False) -> Command | None:
+    done = manoeuvre.step(view(corridor(9.0)), contact, where(lost), GOAL, mapper)
     return None if done is None else done[0]
 
 
 def test_it_leaves_the_wheels_alone_unless_the_robot_is_lost_on_a_journey() -> None:
-    manoeuvre, track = Relocalise(Pilot(PilotSettings())), Track(TopoMap())
-    assert manoeuvre.step(view(None), False, where(0.9), Goal(Phase.TEACH), track) is None
-    assert lost_step(manoeuvre, track, 0.4) is None
-    assert lost_step(manoeuvre, track, 0.6) is not None
-    assert lost_step(manoeuvre, track, 0.2) is not None  # not before it is sure again
-    assert lost_step(manoeuvre, track, 0.04) is None
-    assert lost_step(manoeuvre, track, 0.2) is None
+    manoeuvre, mapper = Relocalise(Pilot(PilotSettings())), a_mapper()
+    assert manoeuvre.step(view(None), False, where(0.9), Goal(Phase.TEACH), mapper) is None
+    assert lost_step(manoeuvre, mapper, 0.4) is None
+    assert lost_step(manoeuvre, mapper, 0.6) is not None
+    assert lost_step(manoeuvre, mapper, 0.2) is not None  # not before it is sure again
+    assert lost_step(manoeuvre, mapper, 0.04) is None
+    assert lost_step(manoeuvre, mapper, 0.2) is None
 
 
 def test_it_drives_on_where_there_is_room_and_turns_back_at_an_end() -> None:
     assert free_bearing(corridor(9.0)) == 0.0
     assert abs(free_bearing(corridor(0.5))) == pytest.approx(math.pi)
-    command = lost_step(Relocalise(Pilot(PilotSettings())), Track(TopoMap()), 1.0)
+    command = lost_step(Relocalise(Pilot(PilotSettings())), a_mapper(), 1.0)
     assert command is not None
     assert 0.2 < command.forward <= 0.3
 
 
 def test_a_contact_stops_it_and_turns_it_away() -> None:
-    manoeuvre, track = Relocalise(Pilot(PilotSettings())), Track(TopoMap())
-    touched = lost_step(manoeuvre, track, 1.0, contact=True)
+    manoeuvre, mapper = Relocalise(Pilot(PilotSettings())), a_mapper()
+    touched = lost_step(manoeuvre, mapper, 1.0, contact=True)
     assert touched is not None
     assert touched.forward == 0.0
     assert touched.turn > 0.5
 
 
 def test_it_gives_up_after_its_way_and_stops() -> None:
-    manoeuvre, track = Relocalise(Pilot(PilotSettings())), Track(TopoMap())
-    assert lost_step(manoeuvre, track, 1.0) != Command()
-    track.travel = WAY + 0.1
-    done = manoeuvre.step(view(corridor(9.0)), False, where(1.0), GOAL, track)
+    manoeuvre, mapper = Relocalise(Pilot(PilotSettings())), a_mapper()
+    assert lost_step(manoeuvre, mapper, 1.0) != Command()
+    mapper.track.travel = WAY + 0.1
+    done = manoeuvre.step(view(corridor(9.0)), False, where(1.0), GOAL, mapper)
     assert done is not None
     assert done[0] == Command()
     assert done[1].phase is Phase.FAILED

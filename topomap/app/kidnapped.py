@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -38,13 +37,16 @@ Pose = tuple[float, float, float]
 
 @dataclass(frozen=True, eq=False)
 class Lesson:
-    """A world that was taught: the navigator at the hand-over, the nodes' true poses (N, 3), and the next step."""
+    """A world that was taught: the navigator at the hand-over, the nodes' true poses (N, 3), the robot's then, and the
+    next step.
+    """
 
     world: str
     seed: int
     config: RunConfig
     navigator: Navigator
     truth: FloatArray
+    end: Pose
     step: int
 
 
@@ -105,7 +107,8 @@ def teach(world: str, seed: int, config: RunConfig) -> Lesson:
         navigator.step(reading)
         step += 1
     nodes = np.array([truth[node.stamp_ns] for node in navigator.mapper.map.nodes])
-    return Lesson(world, seed, config, navigator, nodes, step + 1)
+    end = robot.truth()
+    return Lesson(world, seed, config, navigator, nodes, (end.x, end.y, end.heading), step + 1)
 
 
 def starts(lesson: Lesson, count: int) -> list[Pose]:
@@ -174,10 +177,12 @@ def _bins(lost: FloatArray, wrong: BoolArray) -> tuple[Bin, ...]:
     return tuple(found)
 
 
-def run_searches(lesson: Lesson, count: int, advance: Callable[[], None]) -> list[Search]:
-    """Return the searches of so many starts."""
-    found = []
-    for start in starts(lesson, count):
-        found.append(search(lesson, start))
-        advance()
-    return found
+HEADINGS = ("starts", "in 10 m [%]", "at all [%]", "sure, wrong", "median [m]", "error", "lost: wrong")
+
+
+def row(figures: Tally) -> tuple[str, ...]:
+    """Return the cells of a table's row, under HEADINGS."""
+    soon = f"{100 * figures.soon.value:.0f} ({100 * figures.soon.low:.0f}-{100 * figures.soon.high:.0f})"
+    bins = ", ".join(f"{one.said:.2f}: {one.wrong:.2f}" for one in figures.bins)
+    found, median = f"{100 * figures.found.value:.0f}", f"{figures.median_way:.1f}"
+    return str(figures.starts), soon, found, str(figures.sure_and_wrong), median, f"{figures.error:.2f}", bins

@@ -120,20 +120,32 @@ class Mapper:
         )
 
     @property
+    def doubted(self) -> bool:
+        """Whether wheels and views contradict one another now."""
+        return self._watch.doubted
+
+    @property
     def located(self) -> int:
         """How many snapshots, of the first ones, lie where the map has them: those before a gap that is open."""
         return len(self.recognition) if self._gap is None else self._before_gap
 
-    def relocate(self, pose: Pose2) -> None:
+    @property
+    def left_behind(self) -> int:
+        """How many snapshots, of the first ones, were left far enough back on the way to be seen again."""
+        return len(self.recognition.old_nodes(self.track.travel))
+
+    def relocate(self, pose: Pose2, since: int | None = None) -> None:
         """Let the robot be at `pose` in the map frame: what lies behind an open gap is moved there, else a gap opens.
 
-        Whoever calls is sure; the map keeps it as a gap, over which closures then have to agree.
+        since: the last node known to lie right; what was claimed to be seen again behind it is taken back. Whoever
+        calls is sure; the map keeps it as a gap, over which closures then have to agree.
         """
-        gap = self.track.node_at(self._stamp_ns) if self._gap is None else self._gap
+        gap = self._gap if self._gap is not None else self._after(since)
         if gap == self.map.chain[0]:
             return
-        there = self.track.pose.to(self.map.pose(gap))
-        self.map.place(gap, pose @ there)
+        behind = self.map.chain[self.map.chain.index(gap) :]
+        self._closing.withdraw(self._stamp_ns, set(behind))
+        self.map.place(gap, pose @ self.track.pose.to(self.map.pose(gap)))
         self.track.restart()
         self._closing.forget(self._stamp_ns)
         self._gap = None
@@ -144,7 +156,14 @@ class Mapper:
             start = self._resumed
             self.track.begin_drive(reading.stamp_ns, start.pose, start.covariance, self.recognition.far)
         else:
-            self.track.advance(reading.stamp_ns, reading.motion, broken)
+            self.track.advance(reading.stamp_ns, reading.motion, broken, self._watch.turn)
+
+    def _after(self, since: int | None) -> int:
+        """Return the node behind `since` on the chain; where there is none, one that is made here."""
+        chain = self.map.chain
+        if since is None or since == chain[-1]:
+            return self.track.node_at(self._stamp_ns)
+        return chain[chain.index(since) + 1]
 
     def testify(self, candidate: Candidate, agrees: bool, reason: str) -> None:
         """Take what an active check saw of a pending closure; its verdict comes with the next step."""

@@ -10,7 +10,7 @@ from topomap.core.geometry import Pose2
 from topomap.core.records import Motion
 from topomap.core.robot import MotionReading
 from topomap.mapping.graph import Node, Snapshot, TopoMap
-from topomap.mapping.odometry.gap import GAP
+from topomap.mapping.odometry.gap import GAP, turned
 from topomap.mapping.odometry.increments import Increments, advance, leading
 
 
@@ -36,10 +36,11 @@ class Track:
         """The last corrected turn [rad]."""
         return self.motion.turn
 
-    def advance(self, stamp_ns: int, reading: MotionReading, broken: bool = False) -> Motion:
+    def advance(self, stamp_ns: int, reading: MotionReading, broken: bool = False, seen: float | None = None) -> Motion:
         """Take one increment as read; return it corrected. The first reading's increment leads nowhere.
 
-        broken: the increment isn't believed; it goes into the map with the covariance of a gap.
+        broken: the increment isn't believed; it goes into the map with the covariance of a gap. seen: the turn by the
+        views [rad], where the one that was read isn't believed.
 
         Raises DataError for a stamp that isn't later than the one before and for an increment that isn't numbers.
         """
@@ -47,11 +48,13 @@ class Track:
         # plain numbers, as the log hands them back: NumPy's would print otherwise and give the map another hash
         way = float(reading.forward), float(reading.left), float(reading.turn)
         covariance = GAP if broken else np.asarray(reading.covariance, np.float64)
-        motion = Motion(*way, covariance, float(reading.dt))
+        motion = read = Motion(*way, covariance, float(reading.dt))
+        if seen is not None:
+            motion = turned(read, seen, self.map.calibration)
         corrected = self.map.calibration.correct(motion)
         self.motion = corrected
         if self.map.nodes:
-            self.raw, self.pose = advance(self.raw, motion), advance(self.pose, corrected)
+            self.raw, self.pose = advance(self.raw, read), advance(self.pose, corrected)
             self.travel += abs(motion.forward)
             self._stamps.append(stamp_ns)
             self._motions.append(motion)

@@ -35,7 +35,7 @@ class Navigator:
     ) -> None:
         """course: drives instead of the traveller, where that is the mission."""
         self.mapper = mapper
-        self._localiser = localiser
+        self.localiser = localiser
         self._mission = mission
         self._traveller = traveller
         self._active = active
@@ -72,7 +72,7 @@ class Navigator:
         reading = self._odometry.checked(reading, panorama, self._command, self.mapper.map.calibration)
         change = self.mapper.update(reading, panorama)
         watch.lap("map")
-        where = self._localiser.update(panorama, self.mapper, change, reading.driven)
+        where = self.localiser.update(panorama, self.mapper, change, reading.driven)
         goal = self._mission.goal(reading.driven, self.mapper.map)
         watch.lap("localise")
         senses = self._sense_check.senses(reading, panorama, self.mapper.track.turn, change.place, self._odometry.amiss)
@@ -102,7 +102,7 @@ class Navigator:
         if senses.health.stop:
             return None
         seen = senses.trusted()
-        found = self._relocalise.step(seen, senses.contact, where, goal, self.mapper.track)
+        found = self._relocalise.step(seen, senses.contact, where, goal, self.mapper)
         if found is not None or goal.phase is not Phase.TRAVEL:
             return found
         return self._active.step(seen, senses.contact, self.mapper)

@@ -110,6 +110,11 @@ class Closing:
             reason = "the odometry broke while it waited"
             self._unsaid.append(self._engine.decide(stamp_ns, candidate, Verdict.REFUSED, reason))
 
+    def withdraw(self, stamp_ns: int, behind: set[int]) -> None:
+        """Take back what joins nodes `behind` a gap with others; said with the next verdicts."""
+        reason = "seen by a robot that took itself for elsewhere"
+        self._unsaid += self._optimisation.disbelieve(stamp_ns, self._engine.ledger, behind, reason)
+
     def judge(self, stamp_ns: int, proposal: Proposal | None) -> tuple[Decision, ...]:
         """Return the verdicts of this step, on a proposal and on what waited for it; all are kept in the ledger."""
         late = self._voting.expired(self._track.travel)

@@ -14,6 +14,18 @@ from topomap.mapping.odometry.increments import Calibration, Increments, integra
 GAP = np.diag(np.square([50.0, 50.0, math.pi]))
 """Covariance of an increment over which the robot may have been carried anywhere in a building, and turned."""
 
+TURN_SEEN = math.radians(3.0)
+"""[rad] Error of a turn between two views a step apart: undisturbed it is at most 2.5 degrees off the odometry's."""
+
+
+def turned(read: Motion, seen: float, calibration: Calibration) -> Motion:
+    """Return an increment as read whose turn is the one seen [rad]."""
+    turn = calibration.rotation_scale * seen + calibration.curvature * read.forward
+    covariance = read.covariance.copy()
+    covariance[2, :], covariance[:, 2] = 0.0, 0.0
+    covariance[2, 2] = TURN_SEEN**2
+    return Motion(read.forward, read.left, turn, covariance, read.dt)
+
 
 def bridged(increments: Increments, calibration: Calibration, target: Pose2) -> Increments:
     """Return an edge's increments whose last one, which becomes a gap, leads to `target`, its end seen from its start.

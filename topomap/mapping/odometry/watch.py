@@ -10,7 +10,7 @@ from topomap.core.arrays import FloatArray
 from topomap.core.geometry import TAU
 from topomap.core.panorama import Panorama
 from topomap.core.robot import MotionReading
-from topomap.vision.image.compare import signature
+from topomap.vision.image.compare import rotation_difference, signature
 
 SECTORS = 15
 """Parts of the view that are compared one by one: people who pass change a third of them, being carried away all."""
@@ -32,13 +32,18 @@ PATIENCE = 4
 
 
 class OdometryWatch:
-    """Learns how much views change on the way, and says when one changes far more, or for long not as wheels say."""
+    """Learns how much views change on the way, and says when one changes far more, or for long not as wheels say.
+
+    turn: how far the robot turned in the last step [rad], by the view, where the odometry's turn can't be true and this
+    one explains the view; else None.
+    """
 
     def __init__(self) -> None:
         self._previous: Panorama | None = None
         self._changes: deque[float] = deque(maxlen=MEMORY)
         self._ways: deque[float] = deque(maxlen=MEMORY)
         self._dead = self._spinning = 0
+        self.turn: float | None = None
 
     @property
     def doubted(self) -> bool:
@@ -48,12 +53,17 @@ class OdometryWatch:
     def judge(self, panorama: Panorama, motion: MotionReading) -> str:
         """Return why the robot isn't where odometry has it, or "": it was carried away, or wheels failed until now."""
         previous, self._previous = self._previous, panorama
+        self.turn = None
         if previous is None:
             return ""
         change = _change(panorama, previous, float(motion.turn))
         way = abs(motion.forward) + abs(motion.left) + TURN_WAY * abs(motion.turn)
         if len(self._changes) >= FEWEST and self._jumped(change, way):
-            return f"carried away: the view changed by {change:.2f}, {self._usual:.2f} is usual over a step"
+            turn = rotation_difference(signature(panorama), signature(previous))[1]
+            if not self._jumped(_change(panorama, previous, turn), way):
+                self.turn = turn
+                return ""
+            return f"carried away: the view changed by {change:.2f}, usual over a step is {self._usual:.2f}"
         ended = self._contradicted(change, way)
         if way > STILL and not self._spinning and change < TIMES * max(self._usual, LEAST):
             self._changes.append(change)

@@ -95,6 +95,12 @@ class Mixture:
         elsewhere = float(np.logaddexp(self.elsewhere, np.log(escape) + total))
         return replace(self, weights=self.weights + np.log1p(-escape) + ratios, elsewhere=elsewhere).normalised()
 
+    def shaken(self, doubt: float) -> Mixture:
+        """Return the mixture after something that none of the hypotheses survived with a probability of `doubt`."""
+        rest = float(np.logaddexp(self.elsewhere + np.log1p(-doubt), np.log(doubt)))
+        best = np.full(len(self), np.inf)
+        return replace(self, weights=self.weights + np.log1p(-doubt), best=best, elsewhere=rest).normalised()
+
     def normalised(self) -> Mixture:
         """Return weights that add up to one."""
         total = float(np.logaddexp.reduce([*self.weights.tolist(), self.elsewhere]))

@@ -10,7 +10,7 @@ from topomap.core.arrays import Float32Array, FloatArray
 from topomap.core.geometry import TAU, wrap, wrap_all
 from topomap.core.panorama import Panorama
 from topomap.core.records import Command, Goal, Phase, Travel, Where
-from topomap.mapping.track import Track
+from topomap.mapping.mapper import Mapper
 from topomap.navigation.pilot import Pilot
 from topomap.vision.image.ground_line import ground_ranges
 
@@ -24,6 +24,12 @@ SPEED = 0.3
 """[m/s] Limit meanwhile: three quarters of the pilot's, as nobody knows what comes."""
 ROOM = 4.0
 """[m] Farther away nothing makes a direction better."""
+LED = 0.15
+"""Probability of the likeliest pose from which on the robot drives along the map as if it were there."""
+NEXT = 0.8, 2.0
+"""[m] How far off the place lies that it then drives to: the next one or the one after it."""
+BESIDE, ASIDE = 2.0, 0.3
+"""[m] Walls nearer than this on both sides are kept to the middle of, by a turn [rad] of at most so much."""
 DIRECTIONS = 36
 APERTURE = math.radians(15.0)
 """[rad] To either side of a direction that must be free as well: half a metre at two."""
@@ -46,31 +52,45 @@ class Relocalise:
         self._turning = 0.0
 
     def step(
-        self, panorama: Panorama, contact: bool, where: Where, goal: Goal, track: Track
+        self, panorama: Panorama, contact: bool, where: Where, goal: Goal, mapper: Mapper
     ) -> tuple[Command, Travel] | None:
         """Return the command and what was done, or None where the robot knows where it is."""
         if goal.phase is not Phase.TRAVEL or where.lost <= (LOST if self._began is None else FOUND):
             self._began, self._steps, self._turning = None, 0, 0.0
             return None
+        track = mapper.track
         if self._began is None:
             self._began = track.travel
         self._steps += 1
         way = track.travel - self._began
         if way > WAY or self._steps > STEPS:
             return Command(), Travel(Phase.FAILED, note=f"lost: gave up after looking around for {way:.0f} m")
-        return self._drive(panorama, contact, track), Travel(
-            Phase.TRAVEL, note=f"lost ({where.lost:.2f}): looks around"
-        )
+        travel = Travel(Phase.TRAVEL, note=f"lost ({where.lost:.2f}): looks around")
+        return self._drive(panorama, contact, where, mapper), travel
 
-    def _drive(self, panorama: Panorama, contact: bool, track: Track) -> Command:
+    def _drive(self, panorama: Panorama, contact: bool, where: Where, mapper: Mapper) -> Command:
         if contact:
             self._turning = BACK_TURN
         if self._turning > 0.1:
-            self._turning -= abs(track.turn)
+            self._turning -= abs(mapper.track.turn)
             return Command(0.0, self._pilot.steer(math.pi / 2, None).turn)
         ranges = panorama.ranges if panorama.ranges is not None else ground_ranges(panorama)
-        bearing = free_bearing(ranges)
-        return self._pilot.steer(bearing, ranges, SPEED)
+        bearing = _along_the_map(where, mapper) if 1.0 - where.lost > LED else None
+        return self._pilot.steer(free_bearing(ranges) if bearing is None else bearing, ranges, SPEED)
+
+
+def _along_the_map(where: Where, mapper: Mapper) -> float | None:
+    """Return the bearing [rad] of a place a little way off the likeliest pose, the one most ahead; None: there is none.
+
+    If the robot is there it sees what it knows; if it isn't, that shows as well.
+    """
+    nodes = mapper.recognition.nodes()[: mapper.located]
+    bearings = [
+        where.pose.bearing_to(place)
+        for place in (mapper.map.pose(int(node)) for node in nodes)
+        if NEXT[0] <= where.pose.distance(place) <= NEXT[1]
+    ]
+    return min(bearings, key=abs, default=None)
 
 
 def free_bearing(ranges: Float32Array) -> float:
@@ -78,7 +98,15 @@ def free_bearing(ranges: Float32Array) -> float:
     directions = wrap_all(np.arange(DIRECTIONS) * TAU / DIRECTIONS)
     room = np.minimum(_room(directions, ranges), ROOM)
     score = room * (0.6 + 0.4 * np.cos(directions))
-    return wrap(float(directions[np.argmax(score)]))
+    return wrap(float(directions[np.argmax(score)]) + _to_the_middle(ranges))
+
+
+def _to_the_middle(ranges: Float32Array) -> float:
+    """Return the turn [rad] that leads to the middle between two walls: where most routes go, and views are known."""
+    left, right = _room(np.array([math.pi / 2, -math.pi / 2]), ranges).tolist()
+    if max(left, right) > BESIDE:
+        return 0.0
+    return float(np.clip(0.5 * (left - right), -ASIDE, ASIDE))
 
 
 def _room(directions: FloatArray, ranges: Float32Array) -> FloatArray:

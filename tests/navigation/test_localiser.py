@@ -1,0 +1,79 @@
+"""The belief in a taught world: kept, lost when the robot is carried away, found again by moving, and said."""
+
+from __future__ import annotations
+
+import copy
+import math
+
+import pytest
+
+from sim2d import worlds
+from sim2d.config import SimConfig
+from sim2d.records import SetDown
+from sim2d.robot import SimRobot
+from topomap.app.config import load_config
+from topomap.app.kidnapped import Lesson, search, tally, teach
+from topomap.core.records import StepRecord
+from topomap.navigation.localiser import ANYWHERE, Localiser
+
+PART = ["sim.driver.laps=0.3", "sim.camera.noise=2.0"]
+
+
+@pytest.fixture(scope="module")
+def lesson() -> Lesson:
+    """A third of a lap of the hall, some 14 m."""
+    return teach("hall", 0, load_config(None, PART))
+
+
+def journey(lesson: Lesson, sim: dict[str, object], steps: int, start: Localiser | None = None) -> list[StepRecord]:
+    """The way home from where the lesson ended, with things that happen on it."""
+    navigator = copy.deepcopy(lesson.navigator)
+    if start is not None:
+        navigator.localiser = start
+    config = SimConfig.model_validate({**lesson.config.sim.model_dump(), **sim})
+    robot = SimRobot(worlds.load("hall"), config, 0, SetDown(lesson.end, lesson.step))
+    records = []
+    for _ in range(steps):
+        reading = robot.sense()
+        assert reading is not None
+        command, record = navigator.step(reading)
+        records.append(record)
+        if navigator.over:
+            break
+        robot.act(command)
+    return records
+
+
+def test_an_undisturbed_robot_is_never_lost_and_nothing_is_noticed(lesson: Lesson) -> None:
+    records = journey(lesson, {}, 30)
+    assert max(record.where.lost for record in records) < 0.05
+    assert not any(record.where.event for record in records)
+
+
+def test_carried_away_it_says_so_and_claims_nothing_until_it_has_found_itself(lesson: Lesson) -> None:
+    records = journey(lesson, {"kidnaps": [{"handed_over_s": 2.0, "along": -5.0, "turn_deg": 120.0}]}, 120)
+    noticed = next(k for k, record in enumerate(records) if record.where.event)
+    assert records[noticed].where.event.startswith("carried away")
+    assert records[noticed].where.lost > 0.5
+    assert max(record.where.lost for record in records[:noticed]) < 0.05
+    found = next(k for k, record in enumerate(records) if record.where.event.startswith("found itself"))
+    assert all(not record.change.decisions for record in records[noticed:found])
+    assert sum(record.command.forward for record in records[noticed:found]) * 0.25 < 10.0
+
+
+def test_set_down_anywhere_it_finds_its_place(lesson: Lesson) -> None:
+    x, y, heading = lesson.truth[len(lesson.truth) // 2].tolist()
+    found = [search(lesson, (x, y, heading + turn)) for turn in (1.5, -2.5)]
+    figures = tally(found)
+    assert figures.soon.value == 1.0
+    assert figures.sure_and_wrong == 0
+
+
+def test_a_belief_that_begins_anywhere_is_lost_at_first(lesson: Lesson) -> None:
+    records = journey(lesson, {}, 60, Localiser(ANYWHERE))
+    assert records[0].where.lost > 0.5
+    found = next(record for record in records if record.where.lost < 0.05)
+    assert found.where.node is not None
+    here = records.index(found)
+    assert math.isfinite(found.where.difference)
+    assert here > 5  # it had to move
