@@ -83,7 +83,10 @@ def test_a_missing_file_is_named(tmp_path: Path) -> None:
         (f"sim.camera.width=1{'0' * 400}", "sim.camera.width = a number of more digits than one can read"),
         ("stack.mapper.closing.same_place.memory=1e10", "no setting is NaN, infinite or beyond"),
         ("sim.driver.lateral_offset=1e6", "input should be less than or equal to 10"),
-        ("sim.kidnaps=[{at_s = 1, x = 0, y = 0, colour = 3}]", "unknown key sim.kidnaps.0.colour; known there: along, at_s"),
+        (
+            "sim.kidnaps=[{at_s = 1, x = 0, y = 0, colour = 3}]",
+            "unknown key sim.kidnaps.0.colour; known there: along, at_s",
+        ),
         ("sim.camera.light_changes=[{hour = 3, at_s = 1, at_hour = 2}]", "known there: at_lap, at_s, hour"),
         (f"sim.camera.light_changes={'[' * 5000}", "nested too deeply"),
     ],
