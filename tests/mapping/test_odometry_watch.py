@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from pathlib import Path
 
-import numpy as np
-
-from sim2d.records import SimReading
+from sim2d import worlds
+from sim2d.config import SimConfig
+from sim2d.records import SetDown, SimReading
+from sim2d.robot import SimRobot
 from tests.helpers.played import moved, taught
 from topomap.core.panorama import Panorama
+from topomap.core.records import Command
 from topomap.mapping.odometry.watch import OdometryWatch
+
+TWO_CORRIDORS = Path(__file__).parents[2] / "examples" / "worlds" / "two-corridors.toml"
 
 
 def said(readings: list[SimReading]) -> list[tuple[int, str]]:
@@ -43,9 +47,12 @@ def test_wheels_that_spin_on_the_spot_are_noticed_when_they_grip() -> None:
     assert "spun for 8 steps" in found[0][1]
 
 
-def test_turning_on_the_spot_is_no_spinning() -> None:
-    seen = taught(40)
-    still = [moved(seen[29], forward=0.0, turn=0.2) for _ in range(12)]
-    turned = [replace(r, image=np.roll(r.image, 23 * k, axis=1)) for k, r in enumerate(still, 1)]
-    back = [replace(r, image=seen[29].image) for r in (moved(seen[29], forward=0.0, turn=-2.4),)]
-    assert [word for _, word in said(seen[:30] + turned + back + seen[30:]) if "spun" in word] == []
+def test_turning_on_the_spot_and_driving_into_a_corridor_are_no_breaks() -> None:
+    config = SimConfig()
+    robot = SimRobot(worlds.load(str(TWO_CORRIDORS)), config, 1, SetDown((3.0, 6.5, 0.0), 10))
+    watch = OdometryWatch()
+    for k in range(95):
+        reading = robot.sense()
+        assert reading is not None
+        assert watch.judge(Panorama.from_reading(reading), reading.motion) == "", k
+        robot.act(Command(0.0, 0.8) if 70 <= k < 86 else Command(0.4, 0.0))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
+from itertools import pairwise
 
 import pytest
 
@@ -77,3 +78,11 @@ def test_a_belief_that_begins_anywhere_is_lost_at_first(lesson: Lesson) -> None:
     here = records.index(found)
     assert math.isfinite(found.where.difference)
     assert here > 5  # it had to move
+
+
+def test_turned_on_the_spot_the_view_tells_the_turn_and_nothing_is_lost(lesson: Lesson) -> None:
+    records = journey(lesson, {"kidnaps": [{"handed_over_s": 1.0, "turn_deg": 90.0}]}, 12)
+    headings = [record.where.pose.heading for record in records]
+    steps = [abs(math.remainder(b - a, math.tau)) for a, b in pairwise(headings)]
+    assert max(steps) > 1.2  # the carried turn, and what the wheels turned meanwhile
+    assert max(record.where.lost for record in records) < 0.3

@@ -116,10 +116,10 @@ class Belief:
         """The probability that the robot isn't at the likeliest hypothesis."""
         return 1.0 - float(np.exp(self.mixture.weights.max())) if len(self.mixture) else 1.0
 
-    def hypotheses(self, nodes: IntArray, topo: TopoMap) -> tuple[Hypothesis, ...]:
-        """Return all hypotheses, the likeliest first, each with the snapshot node nearest to it."""
+    def hypotheses(self, nodes: IntArray, topo: TopoMap, count: int) -> tuple[Hypothesis, ...]:
+        """Return the `count` likeliest hypotheses, best first, each with the snapshot node nearest to it."""
         found = []
-        for k in np.argsort(-self.mixture.weights, kind="stable").tolist():
+        for k in np.argsort(-self.mixture.weights, kind="stable")[:count].tolist():
             away = np.hypot(*(topo.poses[nodes, :2] - self.mixture.poses[k, :2]).T)
             node = int(nodes[np.argmin(away)])
             found.append(Hypothesis(node, Pose2.of(self.mixture.poses[k]), float(np.exp(self.mixture.weights[k]))))

@@ -99,7 +99,7 @@ class Localiser:
         belief.follow(mapper.map, nodes)
         belief.move(mapper.track.motion, _noise(mapper.track.motion, mapper.doubted))
         belief.see(panorama, mapper, first)
-        hypotheses = belief.hypotheses(nodes, mapper.map) if len(nodes) else ()
+        hypotheses = belief.hypotheses(nodes, mapper.map, 1 + TOLD) if len(nodes) else ()
         if not hypotheses:
             return Where(mapper.track.pose, _nearest(mapper.track.pose, mapper, nodes), math.nan, 1.0)
         best = hypotheses[0]
@@ -149,7 +149,7 @@ def _on_known_ground(mapper: Mapper) -> bool:
 
 
 def _rivals(hypotheses: tuple[Hypothesis, ...]) -> tuple[Hypothesis, ...]:
-    return tuple(h for h in hypotheses[1 : 1 + TOLD] if h.weight > 1e-3)
+    return tuple(h for h in hypotheses[1:] if h.weight > 1e-3)
 
 
 def _nearest(pose: Pose2, mapper: Mapper, nodes: IntArray) -> int | None:

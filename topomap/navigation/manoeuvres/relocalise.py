@@ -85,12 +85,13 @@ def _along_the_map(where: Where, mapper: Mapper) -> float | None:
     If the robot is there it sees what it knows; if it isn't, that shows as well.
     """
     nodes = mapper.recognition.nodes()[: mapper.located]
-    bearings = [
-        where.pose.bearing_to(place)
-        for place in (mapper.map.pose(int(node)) for node in nodes)
-        if NEXT[0] <= where.pose.distance(place) <= NEXT[1]
-    ]
-    return min(bearings, key=abs, default=None)
+    off = mapper.map.poses[nodes, :2] - np.array([where.pose.x, where.pose.y])
+    away = np.hypot(off[:, 0], off[:, 1])
+    near = (away >= NEXT[0]) & (away <= NEXT[1])
+    if not near.any():
+        return None
+    bearings = wrap_all(np.arctan2(off[near, 1], off[near, 0]) - where.pose.heading)
+    return float(bearings[np.argmin(np.abs(bearings))])
 
 
 def free_bearing(ranges: Float32Array) -> float:
