@@ -6,6 +6,7 @@ import struct
 import zlib
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 import zstandard
@@ -333,3 +334,16 @@ def test_what_viewers_know_is_refused_in_one_line_too() -> None:
     for decode in (foxglove.decode_image, foxglove.decode_scan, foxglove.decode_text):
         with pytest.raises(LogError, match="can't be decoded"):
             decode(b"\xff\xff")
+
+
+def test_a_jpegs_size_stands_behind_any_number_of_tables() -> None:
+    """Real ones, as OpenCV writes them, and every kind of frame header; tables look alike and hold none."""
+    real = cv2.imencode(".jpg", np.zeros((33, 57, 3), np.uint8))[1].tobytes()
+    assert image_size(real) == (57, 33)
+    assert image_size(cv2.imencode(".png", np.zeros((33, 57, 3), np.uint8))[1].tobytes()) == (57, 33)
+    assert image_size(real[:100]) is None
+    for mark in range(0xC0, 0xD0):
+        table = b"\xff\xc4\x00\x09" + struct.pack(">xHH", 1, 2) + b"\0\0"
+        frame = bytes([0xFF, mark]) + struct.pack(">HBHH", 8, 8, 300, 400) + b"\0"
+        sized = mark not in (0xC4, 0xC8, 0xCC)
+        assert image_size(b"\xff\xd8\xff\xd0" + table + frame + bytes(9)) == ((400, 300) if sized else None), hex(mark)

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import numpy as np
+
 from sim2d.records import SimReading
 from tests.helpers.played import moved, taught
 from topomap.core.panorama import Panorama
@@ -37,3 +41,11 @@ def test_wheels_that_spin_on_the_spot_are_noticed_when_they_grip() -> None:
     found = said(stuck)
     assert [k for k, _ in found] == [38]
     assert "spun for 8 steps" in found[0][1]
+
+
+def test_turning_on_the_spot_is_no_spinning() -> None:
+    seen = taught(40)
+    still = [moved(seen[29], forward=0.0, turn=0.2) for _ in range(12)]
+    turned = [replace(r, image=np.roll(r.image, 23 * k, axis=1)) for k, r in enumerate(still, 1)]
+    back = [replace(r, image=seen[29].image) for r in (moved(seen[29], forward=0.0, turn=-2.4),)]
+    assert [word for _, word in said(seen[:30] + turned + back + seen[30:]) if "spun" in word] == []

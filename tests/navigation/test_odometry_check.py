@@ -1,4 +1,4 @@
-"""An odometer that counts nothing, turns that no view shows, ways that no command asked for."""
+"""An odometer that counts nothing, turns that no view shows, ways that no wheels can make."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ CALIBRATION = Calibration(rotation_scale=1.04, curvature=0.0, distance_scale=0.9
 
 def checked(readings: list[SimReading], commands: list[Command] | None = None) -> tuple[list[Reading], OdometryCheck]:
     """What becomes of readings, each the answer to a command: what the driver of the lesson did."""
-    check = OdometryCheck()
+    check = OdometryCheck(0.4)
     told = commands or [did(reading) for reading in READINGS]
     out = [
         check.checked(reading, Panorama.from_reading(reading), command, CALIBRATION)
@@ -71,7 +71,7 @@ def test_turns_that_no_view_shows_are_the_views() -> None:
     assert "its turns can't be" in check.amiss
 
 
-def test_ways_that_no_command_asked_for_are_the_commands() -> None:
+def test_ways_that_no_wheels_can_make_are_the_commands() -> None:
     rng = np.random.default_rng(1)
     noisy = [moved(reading, forward=reading.motion.forward + rng.normal(0.0, 0.1)) for reading in READINGS]
     out, check = checked(noisy)
