@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
+
+# what a false closure misses by, one of them at least [m, rad]; a recording may state another distance
+FALSE_DISTANCE, FALSE_ROTATION = 1.0, math.radians(20.0)
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,13 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from topomap.core.arrays import BoolArray, FloatArray
+from topomap.core.evidence import FALSE_ROTATION
 from topomap.core.geometry import wrap
 from topomap.core.records import UNKNOWN_HEADING, Candidate, Decision, Verdict
 from topomap.core.run_data import RunData
 from topomap.evaluation.trajectory import step_at, travel, true_pose
 
-# what a false closure misses by, one of them at least [m, rad]; a recording may state another distance
-FALSE_DISTANCE, FALSE_ROTATION = 1.0, math.radians(20.0)
 PASS_RADIUS_M = 0.75
 PASS_TRAVEL_M = 10.0
 PASS_MARGIN_M = 1.0

@@ -6,10 +6,10 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from topomap.core.evidence import FALSE_DISTANCE, FALSE_ROTATION
 from topomap.core.geometry import Pose2, wrap
 from topomap.core.panorama import Panorama
 from topomap.core.robot import Reading
-from topomap.evaluation.closures import FALSE_DISTANCE, FALSE_ROTATION
 from topomap.mapping.look_survey import LookSurvey
 from topomap.vision.contracts import Aligner
 

@@ -12,8 +12,8 @@ import numpy as np
 
 from topomap.core.arrays import BoolArray, FloatArray, IntArray
 from topomap.core.errors import TopomapError
+from topomap.core.evidence import FALSE_DISTANCE, FALSE_ROTATION
 from topomap.core.geometry import between, compose, wrap_all
-from topomap.evaluation.closures import FALSE_DISTANCE, FALSE_ROTATION
 from topomap.mapping.pose_graph import PoseGraph
 
 CLOSE_RADIUS = 10.0  # the ends of a false closure of the kind "close" lie within [m]

@@ -10,11 +10,10 @@ import numpy as np
 from scipy.special import chdtri
 
 from topomap.core.arrays import FloatArray, IntArray
+from topomap.core.evidence import FALSE_DISTANCE, FALSE_ROTATION
 from topomap.core.geometry import between, wrap, wrap_all
 from topomap.mapping.closures.claims import Claims
 from topomap.mapping.closures.odds import (
-    FALSE_DISTANCE,
-    FALSE_ROTATION,
     log_chance,
     log_crowding,
     log_density,

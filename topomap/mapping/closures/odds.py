@@ -9,13 +9,13 @@ from numba import njit
 from scipy.special import gammaln
 
 from topomap.core.arrays import BoolArray, FloatArray
+from topomap.core.evidence import FALSE_DISTANCE, FALSE_ROTATION
 from topomap.core.geometry import between
 from topomap.mapping.closures.claims import Claims
 from topomap.mapping.uncertainty.small import distance2, relative, seen_from, wrapped
 
 PAIRS = 2000  # of places, drawn evenly, whose relative poses show how places are crowded
 SPREAD = np.array([0.7548776662466927, 0.5698402909980532])  # evenly over a square whatever the number (Roberts' R2)
-FALSE_DISTANCE, FALSE_ROTATION = 1.0, math.radians(20.0)  # what a false closure misses by, one of them at least
 NEAREST = 10  # places between the two of a pair at least
 FURTHEST = 50.0  # squared Mahalanobis distance beyond which a pair counts for nothing
 TAILS = 4.0  # degrees of freedom of the density of true claims: real closures miss by 5 sigmas one time in 300

@@ -20,8 +20,8 @@ TIMES = 2.5
 """A change so many times the usual one is a break: undisturbed it is at most 1.8 times, carried on by a metre 3 or
 more in `hall`, where views change most slowly."""
 LEAST = 0.35
-"""Change below which nothing is a break: photographs outdoors change by up to 0.31 over 3 cm, the way into a corridor by
-0.23 a step; carried on by 2 m a view changes by 0.38 at least in `hall`, by 0.6 in `room-corridor`."""
+"""Change below which nothing is a break: photographs outdoors change by up to 0.31 over 3 cm, views on the way into a
+corridor by 0.23 a step; carried on by 2 m a view changes by 0.38 at least in `hall`, by 0.6 in `room-corridor`."""
 GROWTH = 1.8
 """How much more than over the step before a view changes at most where the surroundings grow narrow."""
 TURN_WAY = 0.2
