@@ -55,7 +55,7 @@ def test_a_wrong_word_is_one_clear_line(word: str, says: str) -> None:
         ("[stack", "not a TOML file"),
         ("stack = 3", "stack = 3"),
         ("[stack.mission]\nthen = 'dance'", "stack.mission.then = 'dance'"),
-        ("[stack.mission]\nwhere = 3", "unknown key stack.mission.where; known there: goal_node, then"),
+        ("[stack.mission]\nwhere = 3", "unknown key stack.mission.where; known there: do, goal_node, start, then"),
     ],
 )
 def test_a_wrong_file_is_one_clear_line_that_names_it(tmp_path: Path, text: str, says: str) -> None:
@@ -83,7 +83,10 @@ def test_a_missing_file_is_named(tmp_path: Path) -> None:
         (f"sim.camera.width=1{'0' * 400}", "sim.camera.width = a number of more digits than one can read"),
         ("stack.mapper.closing.same_place.memory=1e10", "no setting is NaN, infinite or beyond"),
         ("sim.driver.lateral_offset=1e6", "input should be less than or equal to 10"),
-        ("sim.kidnaps=[{at_s = 1, x = 0, y = 0, colour = 3}]", "unknown key sim.kidnaps.0.colour; known there: at_s"),
+        (
+            "sim.kidnaps=[{at_s = 1, x = 0, y = 0, colour = 3}]",
+            "unknown key sim.kidnaps.0.colour; known there: along, at_s",
+        ),
         ("sim.camera.light_changes=[{hour = 3, at_s = 1, at_hour = 2}]", "known there: at_lap, at_s, hour"),
         (f"sim.camera.light_changes={'[' * 5000}", "nested too deeply"),
     ],

@@ -93,3 +93,12 @@ def test_of_two_closures_between_two_nodes_one_stays() -> None:
 def test_many_nodes_outgrow_the_first_table() -> None:
     assert len(square(50).poses) == 201
     assert square(50).pose(200).distance(Pose2()) < 1.0
+
+
+def test_a_gap_is_seen_by_whoever_asked_for_the_odometry_before() -> None:
+    topo = square()
+    before = {(a, b): way for a, b, way in topo.odometry_edges()}
+    topo.place(5, topo.pose(5) @ Pose2(3.0, 0.0))
+    after = {(a, b): way for a, b, way in topo.odometry_edges()}
+    assert before[4, 5].covariances[-1, 0, 0] < 1.0
+    assert after[4, 5].covariances[-1, 0, 0] > 1000.0

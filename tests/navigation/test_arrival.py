@@ -1,8 +1,12 @@
-"""When a milestone counts as reached."""
+"""When a milestone counts as reached, and a goal."""
 
 from __future__ import annotations
 
-from topomap.navigation.arrival import Arrival
+from dataclasses import replace
+
+from topomap.core.geometry import Pose2
+from topomap.core.records import Hypothesis, PlaceMatch, Where
+from topomap.navigation.arrival import Arrival, Claim, doubt
 
 
 def steps_to_arrive(curve: list[float]) -> int | None:
@@ -28,3 +32,38 @@ def test_a_high_minimum_is_another_place() -> None:
 
 def test_a_curve_that_rests_low_is_reached() -> None:
     assert steps_to_arrive([0.9, 0.5, 0.28] + [0.285] * 10) == 8
+
+
+GOAL = Pose2(5.0, 2.0, 1.0)
+
+
+def claimed(where: Where, **values: object) -> str:
+    """Why a claim isn't believed whose view is the goal's and turned as it is believed."""
+    return doubt(replace(Claim(GOAL, 0.3, 0.1, where), **values))
+
+
+HERE = Where(Pose2(5.2, 2.0, 1.3), 0, 0.1, 0.01)
+
+
+def test_view_and_belief_together_are_an_arrival() -> None:
+    assert claimed(HERE) == ""
+
+
+def test_a_belief_that_is_lost_elsewhere_or_torn_is_none() -> None:
+    assert "lost with a probability of 0.20" in claimed(replace(HERE, lost=0.2))
+    assert "it is believed to be 0.7 m away" in claimed(replace(HERE, pose=Pose2(5.7, 2.0, 1.3)))
+    torn = (Hypothesis(7, Pose2(8.0, 2.0, 1.3), 0.15), Hypothesis(9, Pose2(2.0, 2.0, 1.3), 0.1))
+    assert "with a probability of 0.25 it is another place" in claimed(replace(HERE, rivals=torn))
+    beside = (Hypothesis(1, Pose2(5.4, 2.0, 1.3), 0.4),)
+    assert claimed(replace(HERE, rivals=beside)) == ""
+
+
+def test_a_view_turned_otherwise_than_the_belief_is_none() -> None:
+    assert claimed(HERE, rotation=0.7) == ""
+    assert "turned by 57 degrees otherwise" in claimed(HERE, rotation=1.3)
+
+
+def test_where_another_place_looks_more_alike_it_is_none() -> None:
+    assert "node 12 looks more alike" in claimed(HERE, other=PlaceMatch(12, 0.1, 0.0), other_away=3.0)
+    assert claimed(HERE, other=PlaceMatch(12, 0.11, 0.0), other_away=3.0) == ""
+    assert claimed(HERE, other=PlaceMatch(12, 0.05, 0.0), other_away=0.6) == ""

@@ -97,3 +97,14 @@ def test_the_mean_time_of_an_edge() -> None:
     assert known.of(0, 1) == EdgeExperience(0, 1, passed=2, seconds=3.0)
     assert known.of(1, 0) == EdgeExperience(1, 0)
     assert list(known) == [known.of(0, 1)]
+
+
+def test_nobody_drives_where_the_robot_was_carried() -> None:
+    topo = square(8)
+    topo.remove(topo.closures[0])
+    assert math.isfinite(cost(topo, 10, 11, NOW))
+    topo.place(11, Pose2(*topo.poses[11]) @ Pose2(3.0, 0.0))
+    assert math.isinf(cost(topo, 10, 11, NOW))
+    assert math.isfinite(cost(topo, 11, 12, NOW))
+    topo.place(20, Pose2(*topo.poses[20]) @ Pose2(0.3, 0.0))  # the odometry was set right, the way was driven
+    assert math.isfinite(cost(topo, 19, 20, NOW))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from maps import STEP_NS, square
+from maps import STEP_NS, increments, square
 
 from topomap.core.errors import TopomapError
 from topomap.mapping.graph import Node
@@ -32,6 +32,6 @@ def test_an_unknown_or_unconnected_node_is_named() -> None:
         TopomapError, match="no route from node 0 to node 99: there is no node 99, the map's nodes are 0 to 16"
     ):
         route(topo, 0, 99)
-    lonely = topo._store(Node(10**12, 0.0, None), topo.poses[0], len(topo.chain))
+    lonely = topo.add(Node(10**12, 0.0, None), increments(90, 1), jump=True)
     with pytest.raises(TopomapError, match=f"to node {lonely}"):
         route(topo, 0, lonely)

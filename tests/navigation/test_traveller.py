@@ -166,6 +166,8 @@ def test_the_lost_look_and_then_give_up() -> None:
     assert last.phase is Phase.FAILED
     said = [note.partition(": ")[2] for note in robot.notes() if note.startswith(f"{Trouble.LOST}:")]
     assert said == [str(remedy) for remedy in LADDER[Trouble.LOST][:-1]]
+    about = next(k for k, travel in enumerate(robot.travels) if travel.note.endswith(Remedy.RELOCALISE))
+    assert all(command.forward > 0.1 for command in robot.commands[about + 10 : about + 40])
 
 
 def test_without_a_view_the_wheels_stand_and_in_the_end_it_says_so() -> None:

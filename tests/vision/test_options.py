@@ -332,6 +332,7 @@ def test_the_convergence_point_of_order_one_abstains() -> None:
         home = method.home(method.describe(view(POSE, 2)), method.describe(view(HOME, 2)))
         assert (home.confidence == 0.0) == (n == 1.0 and equal)
         assert method.claims_homing == (home.confidence > 0.0)
+        assert method.claims_homing == (method.describe(view(POSE, 2)).share > 0.0)
 
 
 def test_run_down_by_grey_rgb_threshold_and_sorting() -> None:

@@ -109,6 +109,24 @@ def study(
             console.print(str(path), soft_wrap=True)
 
 
+@benches.command("loop-rule")
+def loop_rule(
+    logs: list[Path] = typer.Argument(help="Logs of drives with truth."),
+    threshold: float = typer.Option(0.8, min=0.01, help="Summed difference that keeps a snapshot; half of it closes."),
+) -> None:
+    """Map logged drives by the thesis's rule (5.2.4) and show it beside the closure engine."""
+    from topomap.app.loop_rule import compare
+    from topomap.mapping.difference_mapping import DifferenceRuleSettings
+
+    for log in logs:
+        rows = compare(log, DifferenceRuleSettings(threshold=threshold))
+        _table(str(log), ("by", "closures", "false", "recall", "ATE [m]", "online [m]"), [
+            (r.who, str(r.accepted), *("-" if v is None else f"{v:.2f}" if isinstance(v, float) else str(v)
+                                       for v in (r.false, r.recall, r.ate, r.online)))
+            for r in rows
+        ])  # fmt: skip
+
+
 @benches.command()
 def mission(
     out: Path = typer.Option(Path("docs") / "THESIS.md", help="File for the table."),
@@ -156,33 +174,6 @@ def places(
 
 
 @benches.command()
-def kidnapped(
-    worlds: str = typer.Argument("room-corridor,hall", help="Worlds by name or file, comma-separated."),
-    starts: int = typer.Option(20, min=1, help="Places, a world and seed, where the robot is set down."),
-    seeds: str = typer.Option("0", help="Seeds of the drive and of the places, e.g. 0-4."),
-    settings: list[str] = typer.Option([], "--set", metavar="KEY=VALUE", help="A setting of the run; may repeat."),
-) -> None:
-    """Set a taught robot down anywhere, turned any way: how far it drives until it knows where, and how surely."""
-    from topomap.app.config import load_config
-    from topomap.app.kidnapped import HEADINGS, row, search, tally, teach
-    from topomap.app.kidnapped import starts as places
-    from topomap.app.words import parse_seeds
-
-    config, rows = load_config(None, settings), []
-    numbers = parse_seeds(seeds)
-    for world in worlds.split(","):
-        found = []
-        with progress(world, len(numbers) * starts) as advance:
-            for seed in numbers:
-                lesson = teach(world, seed, config)
-                for start in places(lesson, starts):
-                    found.append(search(lesson, start))
-                    advance(len(found))
-        rows.append((world, *row(tally(found))))
-    _table("kidnapped", ("world", *HEADINGS), rows)
-
-
-@benches.command()
 def looks(
     worlds: list[str] = typer.Argument(help="Named worlds, world files or floor plans."),
     seeds: str = typer.Option("0-4", help="Seeds, e.g. 0-9, 3 or 0,2,5."),
@@ -210,6 +201,33 @@ def looks(
     _table("looks", ("world", "candidates", "calibration error"), lines)
     for path in look_bench.write_looks(rows, out):
         console.print(str(path), soft_wrap=True)
+
+
+@benches.command()
+def kidnapped(
+    worlds: str = typer.Argument("room-corridor,hall", help="Worlds by name or file, comma-separated."),
+    starts: int = typer.Option(20, min=1, help="Places, a world and seed, where the robot is set down."),
+    seeds: str = typer.Option("0", help="Seeds of the drive and of the places, e.g. 0-4."),
+    settings: list[str] = typer.Option([], "--set", metavar="KEY=VALUE", help="A setting of the run; may repeat."),
+) -> None:
+    """Set a taught robot down anywhere, turned any way: how far it drives until it knows where, and how surely."""
+    from topomap.app.config import load_config
+    from topomap.app.kidnapped import HEADINGS, row, search, tally, teach
+    from topomap.app.kidnapped import starts as places
+    from topomap.app.words import parse_seeds
+
+    config, rows = load_config(None, settings), []
+    numbers = parse_seeds(seeds)
+    for world in worlds.split(","):
+        found = []
+        with progress(world, len(numbers) * starts) as advance:
+            for seed in numbers:
+                lesson = teach(world, seed, config)
+                for start in places(lesson, starts):
+                    found.append(search(lesson, start))
+                    advance(len(found))
+        rows.append((world, *row(tally(found))))
+    _table("kidnapped", ("world", *HEADINGS), rows)
 
 
 def _table(title: str, headings: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> None:

@@ -141,6 +141,7 @@ class TopoMap:
         moved = compose(pose.array(), between(self.poses[node], self.poses[rest]))
         target = self.pose(before).to(pose)
         self._increments[before, node] = bridged(self._increments[before, node], self.calibration, target)
+        self._judged.pop((before, node), None)
         self.poses[rest] = moved
 
     def shift(self, nodes: IntArray, poses: FloatArray) -> None:

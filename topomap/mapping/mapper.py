@@ -150,13 +150,6 @@ class Mapper:
         self._closing.forget(self._stamp_ns)
         self._gap = None
 
-    def _after(self, since: int | None) -> int:
-        """Return the node behind `since` on the chain; where there is none, one that is made here."""
-        chain = self.map.chain
-        if since is None or since == chain[-1]:
-            return self.track.node_at(self._stamp_ns)
-        return chain[chain.index(since) + 1]
-
     def _move(self, reading: Reading, broken: bool) -> None:
         """Extend the track; the first reading on a loaded map begins another drive."""
         if self._resumed and self.first is None:
@@ -164,6 +157,13 @@ class Mapper:
             self.track.begin_drive(reading.stamp_ns, start.pose, start.covariance, self.recognition.far)
         else:
             self.track.advance(reading.stamp_ns, reading.motion, broken, self._watch.turn)
+
+    def _after(self, since: int | None) -> int:
+        """Return the node behind `since` on the chain; where there is none, one that is made here."""
+        chain = self.map.chain
+        if since is None or since == chain[-1]:
+            return self.track.node_at(self._stamp_ns)
+        return chain[chain.index(since) + 1]
 
     def testify(self, candidate: Candidate, agrees: bool, reason: str) -> None:
         """Take what an active check saw of a pending closure; its verdict comes with the next step."""

@@ -40,18 +40,18 @@ HELD = 1e-4
 # [log rotation scale, rad/m, log distance scale] the distances that a loaded map's calibration was found with aren't
 # kept: it stays nearly as it was found
 KEPT_SIGMAS = (0.01, 0.002, 0.01)
+BACKEND = OptimizerSettings()
+LARGE = 500  # nodes and closures from which on a map is solved bit by bit, as a step is to stay within 50 ms
+ALARM = 2.5  # [sigmas] in a large map, a closure further off than this asks for all: so is one true one in ten
+GROWTH = 0.1  # share by which a large map grows between two solves of all: work per node then stays the same
+STRETCH = 200  # odometry edges that are solved in between in a large map: up to 200 m
 
 
 class OptimisationSettings(BaseModel, frozen=True, extra="forbid"):
     """When the map is corrected and what the odometry's errors may be."""
 
-    backend: OptimizerSettings = Field(default_factory=OptimizerSettings)
     every: int = Field(10, ge=1, description="nodes after which the map is solved though nothing surprising happened")
     surprise: float = Field(1.0, ge=0, description="a closure further off than this is solved at once [sigmas]")
-    large: int = Field(500, ge=1, description="nodes and closures from which on a map is solved bit by bit")
-    alarm: float = Field(2.5, ge=0, description="in a large map, a closure further off than this asks for all [sigmas]")
-    growth: float = Field(0.1, gt=0, description="share by which a large map grows between two solves of all")
-    stretch: int = Field(200, ge=2, description="odometry edges that are solved in between in a large map")
 
 
 class Optimisation:
@@ -104,28 +104,12 @@ class Optimisation:
         self._closures.append((edge, candidate))
         self._surprise = max(self._surprise, candidate.evidence.sigmas or 0.0)
 
-    def disbelieve(self, stamp_ns: int, ledger: Ledger, behind: set[int], reason: str) -> list[Decision]:
-        """Take back for good what joins nodes `behind` a gap with others: it was seen by one who was elsewhere."""
-        kept, changed = [], []
-        on_map = {(c.i, c.j) for c in self._map.closures}
-        for edge, candidate in self._closures:
-            if (edge.i in behind) == (edge.j in behind):
-                kept.append((edge, candidate))
-                continue
-            if (edge.i, edge.j) in on_map:
-                self._map.remove(edge)
-                changed.append(ledger.decide(stamp_ns, candidate, Verdict.WITHDRAWN, reason))
-        if len(kept) < len(self._closures):
-            self._running = None  # it was asked of closures that are no more
-            self._closures = kept
-        return changed
-
     def finish(self, stamp_ns: int, ledger: Ledger) -> None:
         """Solve the whole map a last time, and keep it unless a rival is better (`topomap.mapping.competition`)."""
         self.solve(stamp_ns, ledger)
         problem = replace(self._problem(), closures=Closures.of([edge for edge, _ in self._standing()]))
         scanned = self.sequential.scanned
-        self.contest = compete(problem, self._map.dead_reckoning(), scanned, self._s.backend)
+        self.contest = compete(problem, self._map.dead_reckoning(), scanned, BACKEND)
         if self.contest.kept == BLIND:
             self._map.weigh(scanned)
             self.solve(stamp_ns, ledger)
@@ -144,6 +128,22 @@ class Optimisation:
         on_map = {(c.i, c.j) for c in self._map.closures}
         return [(edge, candidate) for edge, candidate in self._closures if (edge.i, edge.j) in on_map]
 
+    def disbelieve(self, stamp_ns: int, ledger: Ledger, behind: set[int], reason: str) -> list[Decision]:
+        """Take back for good what joins nodes `behind` a gap with others: it was seen by one who was elsewhere."""
+        kept, changed = [], []
+        on_map = {(c.i, c.j) for c in self._map.closures}
+        for edge, candidate in self._closures:
+            if (edge.i in behind) == (edge.j in behind):
+                kept.append((edge, candidate))
+                continue
+            if (edge.i, edge.j) in on_map:
+                self._map.remove(edge)
+                changed.append(ledger.decide(stamp_ns, candidate, Verdict.WITHDRAWN, reason))
+        if len(kept) < len(self._closures):
+            self._running = None  # it was asked of closures that are no more
+            self._closures = kept
+        return changed
+
     def solve(self, stamp_ns: int, ledger: Ledger) -> tuple[bool, list[Decision]]:
         """Solve the whole map now; return whether it was moved and which verdicts changed."""
         self._start()
@@ -155,14 +155,14 @@ class Optimisation:
 
     @property
     def _large(self) -> bool:
-        return len(self._map.nodes) + len(self._closures) > self._s.large
+        return len(self._map.nodes) + len(self._closures) > LARGE
 
     @property
     def _whole_due(self) -> bool:
         nodes = len(self._map.nodes)
         if not self._large:
             return self._surprise > self._s.surprise or nodes - self._solved_nodes >= self._s.every
-        return self._surprise > self._s.alarm or nodes > (1 + self._s.growth) * self._whole_nodes
+        return self._surprise > ALARM or nodes > (1 + GROWTH) * self._whole_nodes
 
     @property
     def _stretch_due(self) -> bool:
@@ -173,7 +173,7 @@ class Optimisation:
         self._solved_nodes = self._whole_nodes = len(self._map.nodes)
         self._surprise, self._heard = 0.0, len(self._closures)
         self.sequential.weigh()
-        self._running = solving(self._problem(), self._s.backend, self._doubted() if self._large else None)
+        self._running = solving(self._problem(), BACKEND, self._doubted() if self._large else None)
 
     def _doubted(self) -> BoolArray:
         """Return which closures (M,) the map does without."""
@@ -204,12 +204,12 @@ class Optimisation:
         self.solves += 1
         self._solved_nodes, self._surprise = len(self._map.nodes), 0.0
         self.sequential.weigh()
-        edges = [OdometryEdge(*e) for e in self._map.edges_from(max(0, len(self._map.chain) - 1 - self._s.stretch))]
+        edges = [OdometryEdge(*e) for e in self._map.edges_from(max(0, len(self._map.chain) - 1 - STRETCH))]
         ends = {edge.j for edge in edges}
         new = [k for k, (edge, _) in enumerate(self._closures) if edge.j in ends]
         closures = Closures.of([self._closures[k][0] for k in new])
-        turns = self.sequential.turns[-self._s.stretch :]
-        found = solve_recent(self._map.poses, edges, closures, turns, self._map.calibration, self._s.backend)
+        turns = self.sequential.turns[-STRETCH:]
+        found = solve_recent(self._map.poses, edges, closures, turns, self._map.calibration, BACKEND)
         if not found.solution.improved:
             return False, []
         self._map.shift(found.nodes, found.solution.poses)

@@ -44,14 +44,12 @@ class Arrival:
 
 NEAR = 0.6
 """[m] Farthest that the believed pose may be from a goal that is reached: five sigmas of one corrected by sight."""
-SURE = 0.2
+SURE = 0.1
 """Probability of being lost, or somewhere else, from which on no arrival is claimed."""
 ELSEWHERE = 1.0
 """[m] A hypothesis or a snapshot this far from the goal is another place."""
 TURNED = 0.5
 """[rad] How far the view may be turned otherwise than the believed heading says: six sigmas of the compass."""
-ALIKE = 0.9
-"""Share of the goal's difference below which another place counts as more alike."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,6 +82,6 @@ def doubt(claim: Claim) -> str:
     if turned > TURNED:
         return f"its view is turned by {math.degrees(turned):.0f} degrees otherwise than it should be"
     other = claim.other
-    if other is not None and claim.other_away > ELSEWHERE and other.difference < ALIKE * claim.difference:
+    if other is not None and claim.other_away > ELSEWHERE and other.difference <= claim.difference:
         return f"node {other.node} looks more alike"
     return ""

@@ -19,9 +19,11 @@ BEYOND = 1.0
 """Price of a metre beyond the catchment, in metres: it is driven by the believed pose alone."""
 FAILED = 10.0
 """[m] Price of an edge that fails every time: a way round of that length is tried first."""
-SHUT_S = 180.0
-"""[s] Time for which an edge that just failed isn't planned at all ..."""
-MEMORY_S = 1800.0
+GAP = 100.0
+"""[m^2] Variance of a step above which it is a gap in the odometry: no odometer errs by 10 m a step."""
+SHUT_S = 600.0
+"""[s] Time for which an edge that just failed isn't planned at all: at 0.35 m/s a way round of 200 m ..."""
+MEMORY_S = 6000.0
 """[s] ... and over which its failures lose their weight: a door that was shut is open another day."""
 SHUT_RADIUS = 0.45
 """[m] What leads nearer than this past a place where nothing got through is shut as well: half a door's width."""
@@ -46,7 +48,7 @@ def costs(topo: TopoMap, edges: IntArray, shut: tuple[Shut, ...], stamp_ns: int)
     a, b = topo.poses[edges[:, 0], :2], topo.poses[edges[:, 1], :2]
     length = np.hypot(*(b - a).T)
     base = length + BEYOND * np.maximum(length - CATCHMENT, 0.0) + 1e-6
-    base = np.where(_closed(a, b, shut, stamp_ns), np.inf, base)
+    base = np.where(_closed(a, b, shut, stamp_ns) | (_carried(topo, edges) & (length > CATCHMENT)), np.inf, base)
     there, back = base.copy(), base
     place = {(int(i), int(j)): k for k, (i, j) in enumerate(edges)}
     for row in topo.experience:
@@ -56,6 +58,12 @@ def costs(topo: TopoMap, edges: IntArray, shut: tuple[Shut, ...], stamp_ns: int)
         elif (row.b, row.a) in place:
             back[place[row.b, row.a]] += price
     return there, back
+
+
+def _carried(topo: TopoMap, edges: IntArray) -> BoolArray:
+    """Return over which edges (M, 2) the odometry has a gap: the robot was carried, nobody drove that way."""
+    gaps = {frozenset((a, b)) for a, b, way in topo.odometry_edges() if way.covariances[:, 0, 0].max(initial=0.0) > GAP}
+    return np.array([frozenset((int(a), int(b))) in gaps for a, b in edges], dtype=bool)
 
 
 def _price(passed: int, failed: int, since_ns: int) -> float:

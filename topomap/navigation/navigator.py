@@ -42,7 +42,7 @@ class Navigator:
         self._course = course
         self._relocalise = relocalise
         self._sense_check = SenseCheck()
-        self._odometry = OdometryCheck()
+        self._odometry = OdometryCheck(traveller.speed)
         self._command = Command()
 
     def take(self, mapper: Mapper) -> None:

@@ -16,17 +16,19 @@ from topomap.core.panorama import Panorama
 from topomap.core.records import Command, Motion
 from topomap.core.robot import MotionReading, Reading, RigReading
 from topomap.mapping.odometry.increments import Calibration
+from topomap.navigation.manoeuvres.back_off import SPEED
 from topomap.vision.image.compare import rotation_difference, signature
 
 TURN_OFF = 0.1
 """[rad] A turn this far from the one between two views isn't true: undisturbed they agree to 2.5 degrees, and to 5
 where people pass, in three worlds."""
-MORE, BACK = 1.5, 0.02
-"""An odometer can't count this many times the commanded way (and [m] more), nor so far back [m]; less it can: wheels
-take time, and are blocked."""
-WINDOW, BAD, WELL = 8, 3, 0
-"""Steps looked back on; so many untrue ones of them, and the odometer isn't believed; with no more than these it is
-again."""
+MORE, BEYOND = 1.5, 0.02
+"""An odometer can't count this many times the fastest way (and [m] more), ahead or back; less than told it can: wheels
+take time and are blocked, and in a replay the commands aren't those that were driven by."""
+WINDOW, BAD = 8, 3
+"""Steps looked back on; so many untrue ones of them, and the odometer isn't believed: one is a person or a slip."""
+WELL = 40
+"""Steps without an untrue one after which it is believed again: noise that shows in one step of three hides for 8."""
 SEEN_MOVE, SEEN_TURN = 0.06, 0.03
 """Difference of two views, and turn between them [rad], above which the robot has moved: at rest pixel noise makes 0.01
 and 0.002."""
@@ -76,10 +78,12 @@ class OdometryCheck:
     dead, turns, ways: whether the odometer counts nothing, or its turns or ways aren't believed.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, fastest: float) -> None:
+        """fastest: speed that the robot is driven at [m/s]."""
+        self._fastest = fastest
         self.dead = self.turns = self.ways = False
-        self._bad_turns: deque[bool] = deque(maxlen=WINDOW)
-        self._bad_ways: deque[bool] = deque(maxlen=WINDOW)
+        self._bad_turns: deque[bool] = deque(maxlen=WELL)
+        self._bad_ways: deque[bool] = deque(maxlen=WELL)
         self._previous: Panorama | None = None
 
     @property
@@ -101,23 +105,23 @@ class OdometryCheck:
         difference, seen = rotation_difference(signature(panorama), signature(before))
         moved = difference > SEEN_MOVE or abs(seen) > SEEN_TURN
         way = told.forward * reading.motion.dt
-        self._judge(reading.motion, way, seen, moved, told)
+        self._judge(reading.motion, seen, moved, told)
         if not (self.dead or self.turns or self.ways):
             return reading
         return Restated(reading, self._instead(reading.motion, way if moved else 0.0, seen, calibration))
 
-    def _judge(self, motion: MotionReading, way: float, seen: float, moved: bool, told: Command) -> None:
+    def _judge(self, motion: MotionReading, seen: float, moved: bool, told: Command) -> None:
         still = bool(motion.forward == 0.0 and motion.turn == 0.0)
         if not still:
             self.dead = False
         elif moved and told != Command():
             self.dead = True
         self._bad_turns.append(bool(not still and abs(wrap(float(motion.turn) - seen)) > TURN_OFF))
-        ahead = max(way, 0.0)
-        untrue = motion.forward > MORE * ahead + BACK or motion.forward < min(way, 0.0) - BACK
+        ahead, back = (MORE * speed * motion.dt + BEYOND for speed in (self._fastest, SPEED))
+        untrue = motion.forward > ahead or motion.forward < -back
         self._bad_ways.append(bool(untrue))
-        self.turns = sum(self._bad_turns) >= BAD or (self.turns and sum(self._bad_turns) > WELL)
-        self.ways = sum(self._bad_ways) >= BAD or (self.ways and sum(self._bad_ways) > WELL)
+        self.turns = _untrue(self._bad_turns, self.turns)
+        self.ways = _untrue(self._bad_ways, self.ways)
 
     def _instead(self, read: MotionReading, way: float, seen: float, calibration: Calibration) -> Motion:
         """Return what the odometer should have read: it is corrected by its calibration later on."""
@@ -132,3 +136,8 @@ class OdometryCheck:
             covariance[2, :], covariance[:, 2] = 0.0, 0.0
             covariance[2, 2] = TURN_SIGMA**2
         return Motion(forward, float(read.left), turn, covariance, float(read.dt))
+
+
+def _untrue(bad: deque[bool], already: bool) -> bool:
+    """Return whether so many steps of late were untrue, or one of those looked back on where it wasn't believed."""
+    return sum(list(bad)[-WINDOW:]) >= BAD or (already and any(bad))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 STRETCH = 0.25
 """[m] By so much the rest of the course must grow less to count."""
 PATIENCE = 48
@@ -15,12 +17,14 @@ class Progress:
     """Counts the steps since the course's rest [m] grew less."""
 
     def __init__(self) -> None:
-        self.best = float("inf")
+        self.best = math.inf
         self.idle = 0
         self._trouble_at: float | None = None
 
     def update(self, left: float) -> bool:
         """Take what is left of the course now; return whether a trouble has just been overcome."""
+        if self._trouble_at == math.inf:
+            self._trouble_at = left
         if left < self.best - STRETCH:
             self.best, self.idle = left, 0
         else:
@@ -36,5 +40,5 @@ class Progress:
         self.idle = 0
 
     def renew(self) -> None:
-        """Begin with another course."""
-        self.best, self.idle, self._trouble_at = float("inf"), 0, None
+        """Begin with another course; what is tried on it is counted anew once there is progress."""
+        self.best, self.idle, self._trouble_at = math.inf, 0, math.inf

@@ -46,10 +46,6 @@ class Recovery:
         self._tried[trouble] = min(rung + 1, len(ladder) - 1)
         return ladder[rung]
 
-    def back_to(self, trouble: Trouble, remedy: Remedy) -> None:
-        """Set what is tried next."""
-        self._tried[trouble] = LADDER[trouble].index(remedy)
-
     def made_progress(self) -> None:
         """Forget what was tried."""
         self._tried.clear()

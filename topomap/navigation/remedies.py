@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from topomap.core.records import Command
 from topomap.navigation.journey import Journey
+from topomap.navigation.manoeuvres.relocalise import free_bearing
 from topomap.navigation.manoeuvres.turn_and_look import TurnAndLook
 from topomap.navigation.pilot import Pilot
 from topomap.navigation.recovery import Remedy
@@ -15,6 +16,8 @@ BACK = 1.0
 """[m] How far is gone back: a milestone's spacing."""
 BACK_STEPS = 40
 """Steps after which going back ends: twice what the way takes, with the turn."""
+ABOUT_STEPS = 80
+"""Steps of driving about: 4 m, over which half of the lost find themselves in `office-loop`."""
 WAIT_STEPS = 60
 """Steps of waiting: 15 s, in which a person walks past several times over."""
 NEAR = 0.15
@@ -40,9 +43,17 @@ class Remedies:
             return self._turning.step(now.senses.turn)
         if j.remedy is Remedy.RETRACE:
             return self._back(j, now)
+        if j.remedy is Remedy.RELOCALISE:
+            return self._about(j, now)
         if j.remedy is Remedy.WAIT:
             return Command() if j.tried <= WAIT_STEPS else None
         return None  # looking again takes no time: the next look begins anew, from the believed heading
+
+    def _about(self, j: Journey, now: Now) -> Command | None:
+        """Drive a short way through free space, for the belief to see other places."""
+        if j.tried > ABOUT_STEPS or now.ranges is None:
+            return None
+        return self._pilot.steer(free_bearing(now.ranges), now.ranges, SPEED)
 
     def _back(self, j: Journey, now: Now) -> Command | None:
         """Drive back along the course."""

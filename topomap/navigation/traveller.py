@@ -51,13 +51,14 @@ class TravelSettings(BaseModel, frozen=True, extra="forbid"):
 
 
 class Traveller:
-    """Plans, follows the course past its milestones, notices arrival, recovers, gives up."""
+    """Plans, follows the course past its milestones, notices arrival, recovers, gives up; speed: its limit [m/s]."""
 
     def __init__(self, settings: TravelSettings, homing: AlignedHoming) -> None:
         s = settings.pilot
         self._pilot = Pilot(s)
         self._homing = homing
         self._radius = s.body_radius
+        self.speed = s.speed
         self._homeward = Homeward(homing, self._pilot, s.speed)
         self._remedies = Remedies(self._pilot, s.turn_rate)
         self._back_off = BackOff(s.body_radius)

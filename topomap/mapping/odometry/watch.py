@@ -22,12 +22,14 @@ more in `hall`, where views change most slowly."""
 LEAST = 0.3
 """Change below which nothing is a break: into a corridor views change three times as much as in the room before it,
 0.23 a step; carried on by a metre in `hall` they change by 0.34 in nine of ten cases."""
-GROWTH = 1.8
-"""How much more than over the step before a view changes at most where the surroundings grow narrow."""
 TURN_WAY = 0.2
 """[m] Way that changes a view as much as turning by one radian on the spot does."""
-STILL, MOVING = 0.02, 0.5
-"""[m] Way up to which wheels stand, and the share of the usual change from which on a view moves nevertheless."""
+STILL, STILL_SHARE, MOVING = 0.02, 0.2, 0.5
+"""Way up to which wheels stand: in metres, and as a share of the usual way of a step, which may be millimetres; and the
+share of the usual change from which on a view moves nevertheless."""
+LATELY, MORE = 10, 1.5
+"""Steps, and times their greatest change, that a break has to exceed: photographs outdoors change by 0.08 a step and
+now and then by 0.3, several times in a row; one break is enough of those."""
 UNMOVED = 0.2
 """Share of the usual change up to which a view stands still."""
 PATIENCE = 4
@@ -45,6 +47,8 @@ class OdometryWatch:
         self._previous: Panorama | None = None
         self._changes: deque[float] = deque(maxlen=MEMORY)
         self._ways: deque[float] = deque(maxlen=MEMORY)
+        self._latest: deque[float] = deque(maxlen=LATELY)
+        self._lately = 0.0
         self._dead = self._spinning = 0
         self.turn: float | None = None
 
@@ -61,18 +65,24 @@ class OdometryWatch:
             return ""
         change = _change(panorama, previous, float(motion.turn))
         way = abs(motion.forward) + abs(motion.left) + TURN_WAY * abs(motion.turn)
+        self._lately = max(self._latest, default=0.0)
+        self._latest.append(change)
         if len(self._changes) >= FEWEST and self._jumped(change, way):
             turn = rotation_difference(signature(panorama), signature(previous))[1]
             if not self._jumped(_change(panorama, previous, turn), way):
                 self.turn = turn
                 return ""
             return f"carried away: the view changed by {change:.2f}, usual over a step is {self._usual:.2f}"
-        rolled = abs(motion.forward) + abs(motion.left)
-        ended = self._contradicted(change, way, rolled)
-        if way > STILL and not self._spinning:
+        ended = self._contradicted(change, way, abs(motion.forward) + abs(motion.left))
+        if way > self._still and not self._spinning and change < TIMES * max(self._usual, LEAST):
             self._changes.append(change)
             self._ways.append(way)
         return ended
+
+    @property
+    def _still(self) -> float:
+        """Way up to which the wheels stand [m]."""
+        return min(STILL, STILL_SHARE * float(np.median(self._ways))) if self._ways else 0.0
 
     @property
     def _usual(self) -> float:
@@ -80,17 +90,20 @@ class OdometryWatch:
 
     def _jumped(self, change: float, way: float) -> bool:
         longer = max(1.0, way / float(np.median(self._ways)))
-        return change > max(TIMES * self._usual * longer, GROWTH * self._changes[-1] * longer, LEAST)
+        return change > max(TIMES * self._usual * longer, LEAST, MORE * self._lately)
 
-    def _contradicted(self, change: float, way: float, rolled: float) -> str:
-        """Count the steps in which the wheels stand and the view moves, or the other way round."""
+    def _contradicted(self, change: float, way: float, driven: float) -> str:
+        """Count the steps in which the wheels stand and the view moves, or the other way round.
+
+        driven: the way without turning [m], which leaves the view as it was but for its direction.
+        """
         before, dead, spinning = self.doubted, self._dead, self._spinning
         if len(self._changes) < FEWEST:
             return ""
         usual = self._usual
-        slow = min(rolled / float(np.median(self._ways)), 1.0)  # turning on the spot shows nothing new
-        self._dead = self._dead + 1 if way <= STILL and MOVING * usual < change else 0
-        self._spinning = self._spinning + 1 if rolled > STILL and change < UNMOVED * usual * slow else 0
+        slow = min(driven / float(np.median(self._ways)), 1.0)
+        self._dead = self._dead + 1 if way <= self._still and MOVING * usual < change else 0
+        self._spinning = self._spinning + 1 if driven > self._still and change < UNMOVED * usual * slow else 0
         if before and not self.doubted:
             return f"the odometry stood still for {dead} steps" if dead else f"the wheels spun for {spinning} steps"
         return ""

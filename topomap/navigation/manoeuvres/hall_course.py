@@ -10,7 +10,7 @@ from pydantic import BaseModel, Field
 
 from topomap.core.geometry import Pose2, wrap
 from topomap.core.panorama import Panorama
-from topomap.core.records import Command, HomeVector, Phase, Travel
+from topomap.core.records import Alignment, Command, HomeVector, Phase, Travel
 from topomap.navigation.arrival import Arrival
 from topomap.navigation.manoeuvres.policy_drive import PolicyDrive
 from topomap.navigation.pilot import Pilot
@@ -34,6 +34,11 @@ GOAL_SPEED = 0.2
 """[m/s] On the way home: a step of 0.25 s is 5 cm."""
 POLICY_REST = 12
 """Looks without a new minimum after which a policy has come to its end: a round of trial moves is up to nine."""
+NEARER = 0.7
+"""Share of the difference where homing began below which home is reached: homing begins at 0.3 to 1.3 m, and the
+difference is half as large at 0.1 m as at 0.4 m."""
+AHEAD = 1.0
+"""[rad] A home vector this near the nose is driven along; with others the robot turns first."""
 TRIES, STALE = 400, 80
 """Steps after which homing is given up, and those without a lower difference."""
 
@@ -65,13 +70,14 @@ class HallCourse:
         self._arrival = Arrival()
         self._drive: PolicyDrive | None = None
         self._steps = 0
+        self._seen: list[float] = []  # differences on the way home
         self.differences: list[float] = []
         self.homing_from: int | None = None
 
     def homing_by(self, homing: AlignedHoming) -> HallCourse:
         """Return the course as it stands, to be ended by another method."""
         other = copy(self)
-        other._homing, other.differences = homing, list(self.differences)
+        other._homing, other.differences, other._seen = homing, list(self.differences), []
         other._ready()
         return other
 
@@ -130,6 +136,17 @@ class HallCourse:
         command = self._pilot.steer(pose.bearing_to(_ahead_on(self._corners[0], self._corners[1], pose)), seen.ranges)
         return command, Travel(Phase.TRAVEL, None, None, difference, len(self._corners) - 1)
 
+    def _nearer(self) -> bool:
+        """Return whether the view has become much more alike than it was where homing began; if not, look on."""
+        if min(self._seen) < NEARER * self._seen[0]:
+            return True
+        self._arrival = Arrival(POLICY_REST, POLICY_REST) if self._drive else Arrival()
+        return False
+
+    def _towards(self, alignment: Alignment) -> bool:
+        """Return whether the robot drives the way that its home vector points, or moves as a policy does."""
+        return self._drive is not None or (alignment.home is not None and abs(alignment.home.bearing) < AHEAD)
+
     def _homeward(self, panorama: Panorama, raw: Pose2, turn: float) -> tuple[Command, Travel]:
         assert self._home is not None
         if self._rotation is not None:
@@ -140,9 +157,11 @@ class HallCourse:
         self._rotation = alignment.rotation
         difference = aligned_difference(panorama, self._home, alignment.rotation)
         self._steps += 1
-        if self._arrival.update(difference):
+        self._seen.append(difference)
+        # beyond home the difference has just risen: only on the way there does its minimum tell of home
+        if self._towards(alignment) and self._arrival.update(difference) and self._nearer():
             return Command(), Travel(Phase.ARRIVED, 0, None, difference, 0, "home")
-        if self._steps > TRIES or self._arrival.since_minimum > STALE:
+        if self._steps > TRIES or len(self._seen) - int(np.argmin(self._seen)) > STALE:
             return Command(), Travel(Phase.FAILED, 0, None, difference, 0, "homing leads no nearer")
         if self._drive is not None:
             home = self._drive.look(panorama, alignment.rotation, raw)

@@ -21,7 +21,7 @@ from topomap.vision.matching.warping import best, warp
 Choice = Literal["epipolar", "range", "dtw", "warping", "none"]
 CHANCE = -1.1
 """Log odds of being within 45 deg without any evidence: a quarter of all directions is."""
-CALIBRATION: dict[Choice, float] = {"epipolar": 2.76, "range": 4.0, "dtw": 7.35, "warping": 10.74}
+CALIBRATION: dict[Choice, float] = {"epipolar": 2.76, "range": 5.15, "dtw": 7.35, "warping": 10.74}
 """Slope of the logistic P(error < 45 deg) over each choice's own evidence (tests/vision/calibration.py)."""
 DTW, EPIPOLAR, NEAR = DynamicWarping(), Epipolar(), ScanMatching()
 DOUBTFUL, CLEARLY = 0.4, 1.5
@@ -91,13 +91,13 @@ class Auto:
         """Answer by the rotation of min-warping and what fits best then."""
         here, there = warping_view(current, self.spec), warping_view(goal, self.spec)
         turned = best(warp(here, there, prior, min(self.window, NEAR_PRIOR)))
+        if turned.home is None or turned.home.confidence <= 0.0:
+            nothing = Alignment(turned.rotation, turned.residual, HomeVector(0.0, None, 0.0))
+            return Answer("none", 0.0, nothing)
         scanned = self._scanned(current, goal, prior, turned.rotation)
         if scanned is not None:
             # scans of alike rooms lie well on one another: only the images tell whether it is this place at all
             return self._sure("range", max(1.0 - turned.residual, 0.0), scanned, current, goal)
-        if turned.home is None or turned.home.confidence <= 0.0:
-            nothing = Alignment(turned.rotation, turned.residual, HomeVector(0.0, None, 0.0))
-            return Answer("none", 0.0, nothing)
         return self._warped(turned, turned.home, current, goal)
 
     def _scanned(self, current: Panorama, goal: Panorama, prior: float | None, rotation: float) -> Alignment | None:
