@@ -22,8 +22,6 @@ more in `hall`, where views change most slowly."""
 LEAST = 0.35
 """Change below which nothing is a break: photographs outdoors change by up to 0.31 over 3 cm, views on the way into a
 corridor by 0.23 a step; carried on by 2 m a view changes by 0.38 at least in `hall`, by 0.6 in `room-corridor`."""
-GROWTH = 1.8
-"""How much more than over the step before a view changes at most where the surroundings grow narrow."""
 TURN_WAY = 0.2
 """[m] Way that changes a view as much as turning by one radian on the spot does."""
 STILL, STILL_SHARE, MOVING = 0.02, 0.2, 0.5
@@ -76,7 +74,7 @@ class OdometryWatch:
                 return ""
             return f"carried away: the view changed by {change:.2f}, usual over a step is {self._usual:.2f}"
         ended = self._contradicted(change, way, abs(motion.forward) + abs(motion.left))
-        if way > self._still and not self._spinning:
+        if way > self._still and not self._spinning and change < TIMES * max(self._usual, LEAST):
             self._changes.append(change)
             self._ways.append(way)
         return ended
@@ -92,8 +90,7 @@ class OdometryWatch:
 
     def _jumped(self, change: float, way: float) -> bool:
         longer = max(1.0, way / float(np.median(self._ways)))
-        usual, last = TIMES * self._usual * longer, GROWTH * self._changes[-1] * longer
-        return change > max(usual, last, MORE * self._lately, LEAST)
+        return change > max(TIMES * self._usual * longer, LEAST, MORE * self._lately)
 
     def _contradicted(self, change: float, way: float, driven: float) -> str:
         """Count the steps in which the wheels stand and the view moves, or the other way round.
