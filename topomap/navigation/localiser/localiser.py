@@ -36,7 +36,8 @@ STRETCHES = 3
 ASTRAY, ASTRAY_TURN = 1.0, math.radians(20.0)
 """[m], [rad] Belief and track this far apart tell two places: what a false closure is."""
 DOUBTFUL = 0.1
-"""Probability of being lost up to which belief and track are taken to agree."""
+"""Probability of being lost up to which belief and track are taken to agree, and the least that is told of a robot that
+was lost before enough stretches have spoken: after two, neighbours a metre off in `hall` were told apart wrongly."""
 TOLD = 5
 """Rivals that are told."""
 
@@ -70,7 +71,7 @@ class Localiser:
         where = self._believe(self._belief, panorama, mapper, watching)
         event = change.broken or self._mend(where, mapper, driven)
         if not watching:
-            return replace(where, event=event)
+            return replace(where, lost=max(where.lost, DOUBTFUL if self._lost else 0.0), event=event)
         return replace(tracked, lost=self._doubt(self._belief, mapper), rivals=where.rivals, event=event)
 
     def _shaken(self, mapper: Mapper) -> Belief:
