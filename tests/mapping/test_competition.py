@@ -87,9 +87,3 @@ def test_with_nothing_seen_again_only_turns_better_than_the_odometers_correct_it
     problem = replace(problem, turns=tuple(replace(turn, sigma=sigma) for turn in problem.turns))
     assert compete(problem, dead_reckoning(made.problem), (), SETTINGS).kept == kept
     assert compete(problem, dead_reckoning(made.problem), problem.turns, SETTINGS).kept == FULL
-
-
-def test_an_exact_odometer_takes_no_closures_back() -> None:
-    made = ring(5, closures=60)
-    problem = replace(made.problem, poses=made.truth, calibration=Calibration(), prior=Calibration())
-    assert compete(problem, made.truth, (), SETTINGS).kept == FULL
