@@ -29,6 +29,10 @@ SURE = 2.0
 CLEARLY = 0.5
 """Share of the odometer's error below which turns by sight correct it, with nothing else to tell whether they do."""
 
+MARGIN = 0.3
+"""Squared sigmas by which a rival has to be better as well: of an exact odometer both predict alike, and nothing is
+gained by taking closures back."""
+
 FULL, BLIND, DEAD = "all evidence", "without turns by sight", "dead reckoning"
 
 
@@ -78,7 +82,7 @@ def compete(
     best = FULL
     for name in list(errors)[1:]:
         better = errors[best] - errors[name]
-        if float(better.mean()) > SURE * float(better.std(ddof=1)) / math.sqrt(len(better)):
+        if float(better.mean()) > max(MARGIN, SURE * float(better.std(ddof=1)) / math.sqrt(len(better))):
             best = name
     return Contest(best, {name: float(error.mean()) for name, error in errors.items()})
 
