@@ -47,3 +47,12 @@ def test_the_goal_alone_is_a_course() -> None:
     assert course.length == 0.0
     assert course.follow(Pose2(1.0, 0.5)) == pytest.approx(0.5, abs=0.05)
     assert course.point(0.7).distance(topo.pose(2)) < 1e-9
+
+
+def test_a_belief_that_was_set_right_is_followed_back() -> None:
+    topo = square(8)
+    course = Course(topo, list(range(9)))
+    course.reach(6)
+    off = course.follow(Pose2(1.0, 0.0))
+    assert off == pytest.approx(0.0, abs=0.01)
+    assert course.along == pytest.approx(1.0, abs=0.01)

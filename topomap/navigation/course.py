@@ -11,6 +11,9 @@ from topomap.mapping.graph import TopoMap
 BACK, AHEAD = 0.5, 1.5
 """[m] Around the last position along the course in which the next one is looked for: a loop of it isn't cut short."""
 
+JUMP = 0.5
+"""[m] Where another part of the course is nearer by this, the belief has been set right."""
+
 
 class Course:
     """A path of nodes, followed from its beginning; the poses are the map's as they stand now."""
@@ -55,7 +58,9 @@ class Course:
         place = at[:-1] + share * np.diff(at)
         off = np.hypot(*(a + share[:, None] * step - here).T)
         near = (place >= self.along - BACK) & (place <= self.along + AHEAD)
-        best = int(np.argmin(np.where(near, off, np.inf))) if near.any() else int(np.argmin(off))
+        best, nearest = int(np.argmin(np.where(near, off, np.inf))), int(np.argmin(off))
+        if not near.any() or off[best] > off[nearest] + JUMP:
+            best = nearest
         self.along = float(place[best])
         return float(off[best])
 

@@ -18,6 +18,8 @@ from topomap.navigation.sight import Sight
 
 STEPS_PER_M, STEPS_MORE = 50, 400
 """Steps after which a journey ends, by its planned way: a metre takes 10 at 0.4 m/s and 0.25 s a step."""
+SET_BACK = 0.5
+"""[m] A milestone that was passed and lies so far ahead was not passed."""
 PLANS = 12
 """Plans after which it ends: each shuts another place, and a map has few ways round one."""
 
@@ -83,6 +85,11 @@ class Journey:
     def legs_left(self) -> int:
         """Milestones that aren't passed yet."""
         return sum(place > self.last for place in self.course.milestones)
+
+    def step_back(self) -> None:
+        """Look for milestones again that the belief, set right meanwhile, has still before it."""
+        while self.last >= 0 and self.ahead(self.last) > SET_BACK:
+            self.last, self.sight = self.last - 1, None
 
     def ahead(self, place: int) -> float:
         """Return how far ahead along the course a place of it lies [m]; negative where it is passed."""

@@ -128,6 +128,7 @@ class Traveller:
             j.progress.idle += 1
             return
         off = j.course.follow(now.where.pose)
+        j.step_back()
         j.astray_for = j.astray_for + 1 if off > OFF_COURSE else 0
         if j.astray_for > OFF_STEPS:
             j.astray_for = 0
