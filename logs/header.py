@@ -5,9 +5,11 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
+from typing import TypeVar
 
 from logs.records import Pose
 
+R = TypeVar("R")
 FORMAT = "1"
 RUN = "topomap.run"
 VERSIONS = "topomap.versions"
@@ -99,15 +101,23 @@ class Header:
         values = {name: json.loads(run[name]) for name in names}
         return Header(
             world=str(values["world"]),
-            rig=Rig(**values["rig"]),
-            seed=values["seed"],
+            rig=_numbers(Rig(**values["rig"])),
+            seed=None if values["seed"] is None else int(values["seed"]),
             config=config.decode(),
             versions=dict(versions),
-            start=None if values["start"] is None else Pose(**values["start"]),
-            errors=Errors(**values["errors"]),
+            start=None if values["start"] is None else _numbers(Pose(**values["start"])),
+            errors=_numbers(Errors(**values["errors"])),
             plan=_plan(plan),
             replayed=bool(values["replayed"]),
         )
+
+
+def _numbers(record: R) -> R:
+    """Return a record of numbers, or None, as it is; raises ValueError where it holds anything else."""
+    for name, value in asdict(record).items():  # type: ignore[call-overload]
+        if value is not None and not isinstance(value, int | float):
+            raise ValueError(f"{name} = {str(value)[:70]!r} is no number")
+    return record
 
 
 def _plan(data: bytes) -> Plan:

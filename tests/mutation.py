@@ -22,8 +22,19 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 TESTS: dict[str, tuple[str, ...]] = {
-    "logs": ("tests/log_files", "tests/recording/test_translate.py"),
-    "topomap/recording": ("tests/recording", "tests/app/test_export.py::test_tum_rows"),
+    "logs": tuple(
+        f"tests/{name}.py"
+        for name in (
+            "log_files/test_codec",
+            "log_files/test_recorder",
+            "log_files/test_replay",
+            "recording/test_translate",
+            "log_files/test_verify",
+            "log_files/test_crash",
+        )
+    ),
+    "topomap/recording": ("tests/recording", "tests/cli/test_closures_log.py"),
+    "topomap/app/export.py": ("tests/app/test_export.py",),
     "topomap/mapping": ("tests/mapping", "tests/test_one_engine.py"),
     "topomap/navigation": ("tests/navigation", "tests/app/test_faults.py"),
 }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import singledispatch
+from typing import Any
 
 import numpy as np
 from foxglove_schemas_protobuf.Color_pb2 import Color
@@ -24,7 +25,7 @@ from foxglove_schemas_protobuf.SceneEntity_pb2 import SceneEntity
 from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 from foxglove_schemas_protobuf.SpherePrimitive_pb2 import SpherePrimitive
 from foxglove_schemas_protobuf.Vector3_pb2 import Vector3
-from google.protobuf.message import Message
+from google.protobuf.message import DecodeError, Message
 from google.protobuf.timestamp_pb2 import Timestamp
 from numpy.typing import NDArray
 
@@ -59,20 +60,27 @@ def image_format(encoded: bytes) -> str:
 
 
 def decode_image(data: bytes) -> bytes:
-    """Return the encoded image of a CompressedImage message."""
-    return bytes(CompressedImage.FromString(data).data)
+    """Return the encoded image of a CompressedImage message; raises LogError when it isn't one."""
+    return bytes(_parsed(CompressedImage, data).data)
 
 
 def decode_scan(data: bytes) -> NDArray[np.float32]:
-    """Return the ranges (W,) float32 [m] of a LaserScan message."""
+    """Return the ranges (W,) float32 [m] of a LaserScan message; raises LogError when it isn't one."""
     # the message holds doubles; every float32 comes back from one unchanged
-    return np.array(LaserScan.FromString(data).ranges, dtype=np.float64).astype(np.float32)
+    return np.array(_parsed(LaserScan, data).ranges, dtype=np.float64).astype(np.float32)
 
 
 def decode_text(data: bytes) -> records.Text:
-    """Return the text of a Log message."""
-    log = Log.FromString(data)
+    """Return the text of a Log message; raises LogError when it isn't one."""
+    log = _parsed(Log, data)
     return records.Text(records.Level(log.level), log.name, log.message)
+
+
+def _parsed(kind: type[Any], data: bytes) -> Any:  # Any: generated classes have no types
+    try:
+        return kind.FromString(data)
+    except DecodeError as error:
+        raise LogError(f"a {kind.DESCRIPTOR.full_name} message can't be decoded: {error}") from error
 
 
 @singledispatch

@@ -12,7 +12,7 @@ from played import Played, taught
 from synthetic_run import make_run
 
 from topomap.app.config import load_config
-from topomap.app.export import g2o_text, nodes_text, trajectories, write_tum
+from topomap.app.export import g2o_text, nodes_text, trajectories, tum_rows, write_tum
 from topomap.app.wiring import build_navigator
 from topomap.core.arrays import FloatArray, IntArray
 from topomap.core.geometry import between, compose, wrap_all
@@ -201,3 +201,14 @@ def evo_rmse(folder: Path, name: str) -> float:
     metric = APE(PoseRelation.translation_part)
     metric.process_data(associate_trajectories(truth, other))
     return float(metric.get_statistic(StatisticsType.rmse))
+
+
+def test_a_heading_is_half_of_its_quaternions_angle() -> None:
+    """A quarter turn to the left is sin and cos of an eighth (x, y, z, w with z upwards); unknown headings are 0."""
+    poses = np.array([[1.5, -2.0, np.pi / 2], [0.0, 0.0, -np.pi], [1.0, 1.0, np.nan], [np.nan, 0.0, 0.0]])
+    rows = [line.split() for line in tum_rows(np.array([1_000_000_001, 2, 3, 4]), poses).splitlines()]
+    assert rows == [
+        ["1.000000001", "1.500000000", "-2.000000000", "0", "0", "0", "0.707106781", "0.707106781"],
+        ["0.000000002", "0.000000000", "0.000000000", "0", "0", "0", "-1.000000000", "0.000000000"],
+        ["0.000000003", "1.000000000", "1.000000000", "0", "0", "0", "0.000000000", "1.000000000"],
+    ]

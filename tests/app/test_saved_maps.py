@@ -73,6 +73,14 @@ def test_it_travels_on_a_saved_map_and_the_log_replays(taught: Path, tmp_path: P
     assert "The graph hash is the run's." in done.output
 
 
+def test_put_down_anywhere_it_finds_itself_and_goes_where_it_was_sent(taught: Path, tmp_path: Path) -> None:
+    summary = run(tmp_path, "--map", taught, "--mission", "goto:desk", "--at", "3.0,3.0,170", "--seed", 3)
+    home = summary["home"]
+    assert isinstance(home, dict)
+    assert home["claimed"]
+    assert home["within_0_3_m"]
+
+
 def test_a_map_is_gone_on_with(taught: Path, tmp_path: Path) -> None:
     before = load_map(taught)
     more = ("--map", taught, "--mission", "teach", "--start", 0, "--seed", 2, "--set", "sim.driver.laps=1")

@@ -15,6 +15,7 @@ from mcap.writer import Writer
 from logs import budget, topics
 from logs import records as log
 from logs.errors import LogError
+from logs.header import Header
 from logs.image_size import image_size
 from logs.info import info
 from logs.mcap_file import McapFile
@@ -23,7 +24,7 @@ from logs.reader import LogReader
 from logs.recorder import Recorder
 from logs.recover import recover
 from logs.replay import ReplayRobot, decoded
-from logs.schemas import codec
+from logs.schemas import codec, foxglove
 from logs.schemas.wire import too_many_fields
 
 
@@ -289,3 +290,46 @@ def test_a_stamp_that_no_log_can_hold_is_refused_before_anything_is_written(tmp_
         recorder.check(5)
         with pytest.raises(LogError, match="run backwards, 4 after 5"):
             recorder.check(4)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("errors", '{"rotation_scale": "much"}'),
+        ("start", '{"x": [], "y": 0, "heading": 0}'),
+        ("rig", "[1]"),
+        ("seed", '"seven"'),
+        ("format", "9"),
+    ],
+)
+def test_a_header_of_other_values_is_one_line(
+    tmp_path: Path, name: str, value: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, run = tmp_path / "run.mcap", Header.run
+    monkeypatch.setattr(Header, "run", lambda self: run(self) | {name: value})
+    Recorder(path, header()).close()
+    with pytest.raises(LogError, match="its header can't be read") as caught:
+        LogReader(path)
+    assert str(path) in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_without_the_copy_the_header_is_read_in_parts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As in logs of the first house."""
+    path, attach = tmp_path / "run.mcap", Writer.add_attachment
+
+    def without(self: Writer, *values: object) -> None:
+        if "header.json" not in values:
+            attach(self, *values)
+
+    monkeypatch.setattr(Writer, "add_attachment", without)
+    write_log(path, 2)
+    with LogReader(path) as reader:
+        assert reader.attachment("header.json") is None
+        assert reader.header == header()
+
+
+def test_what_viewers_know_is_refused_in_one_line_too() -> None:
+    for decode in (foxglove.decode_image, foxglove.decode_scan, foxglove.decode_text):
+        with pytest.raises(LogError, match="can't be decoded"):
+            decode(b"\xff\xff")

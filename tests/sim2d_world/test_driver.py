@@ -79,6 +79,10 @@ def test_a_driver_who_makes_no_way_is_stuck_after_two_minutes() -> None:
 def test_a_route_that_cannot_be_driven_ends_in_one_line() -> None:
     config = SimConfig(driver=DriverConfig(lateral_offset=3.0))
     robot = SimRobot(World(room_corridor()), config, 0)
-    with pytest.raises(WorldError, match=r"stuck for 120 s at x = .*: the route can't be driven so"):
+
+    def all_the_way() -> None:
         for _ in range(20 * robot.expected_steps):
             robot._move()
+
+    with pytest.raises(WorldError, match=r"stuck for 120 s at x = .*: the route can't be driven so"):
+        all_the_way()

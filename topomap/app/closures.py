@@ -45,6 +45,11 @@ def read(path: Path) -> RunData:
     return read_run(path)
 
 
+def lacking(run: RunData) -> str:
+    """Return what the log of a run lacks, nothing where it is whole."""
+    return "" if run.log_state == "whole" else f"{run.log_state}: {run.log_note}"
+
+
 def table(run: RunData, verdict: Verdict | None = None, false: bool = False) -> list[LedgerRow]:
     """Return the candidates by time: those with a verdict, if given; only those that the truth calls false, if asked.
 

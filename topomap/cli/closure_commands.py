@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from topomap.cli.console import console, table
+from topomap.cli.console import console, doubt, table
 from topomap.core.records import Verdict
 
 if TYPE_CHECKING:
@@ -63,6 +63,7 @@ def _change(file: Path, withdraw: tuple[int, int] | None, add: tuple[int, int] |
 def _explain(file: Path, pair: tuple[str, str], out: Path | None) -> None:
     from topomap.app import closures as trail
 
+    doubt(file, trail.lacking(trail.read(file)), partial=True)
     told = trail.explain(file, *pair, out or file.parent)
     table(told.rows, str(file))
     console.print("The log holds no images of both." if told.figure is None else str(told.figure), soft_wrap=True)
@@ -72,6 +73,7 @@ def _list(file: Path, verdict: Verdict | None, false: bool, limit: int, evaluate
     from topomap.app import closures as trail
 
     run = trail.read(file)
+    doubt(file, trail.lacking(run), partial=True)
     if evaluate:
         _evaluate(run, out or file.parent)
         return

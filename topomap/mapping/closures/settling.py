@@ -13,9 +13,10 @@ from topomap.mapping.closures.prevalence import GATE
 from topomap.mapping.closures.strain import strained
 from topomap.mapping.closures.working_map import CLOSING, FEW, LIKELY, SEVERAL, SURE, UNLIKELY, WorkingMap
 from topomap.mapping.uncertainty.network import PathNetwork
+from topomap.mapping.uncertainty.odometry_chain import carried_to_origin
 
 FALSE = 3e-4  # share of false ones that the finished map's closures may hold by their odds
-DOUBT = 1e-3  # share of false ones among clusters tested beside the others: of a lone one as much as lets it bend a map
+DOUBT = 1e-3  # share of false ones among closures tested beside the others up to which lone ones stand
 SETTLINGS = 6  # at most: solve, take out what strains the map, solve
 SETTLED = 1e-3  # share of new closures with which the finished map is no longer solved anew
 
@@ -45,7 +46,7 @@ def confirm(working: WorkingMap) -> None:
         ones = working.ones()
         label = working.clusters.label[ones]
         odds = log_odds_beside_others(working.drive, working.map, working.claims[ones], working.prior_odds(ones))
-        weak = _doubtful(odds)
+        weak = _doubtful(odds, working.clusters.size[label])
         if not len(weak):
             return
         # a quarter of them at a time: with the weakest out the others may be stronger
@@ -55,11 +56,11 @@ def confirm(working: WorkingMap) -> None:
         working.solve(working.standing[~gone], CLOSING)
 
 
-def _doubtful(odds: FloatArray) -> IntArray:
-    """Return which of n closures are to be doubted for the others to hold as few false ones as a map may."""
+def _doubtful(odds: FloatArray, size: IntArray) -> IntArray:
+    """Return which of n clusters of some size (n,) are to be doubted, lone ones sooner than several that agree."""
     order = np.argsort(-odds, kind="stable")
     share = np.cumsum(expit(-odds[order])) / np.arange(1, len(order) + 1)
-    return np.asarray(order[(share > DOUBT) | (odds[order] < LIKELY)])
+    return np.asarray(order[((share > DOUBT) & (size[order] < SEVERAL)) | (odds[order] < LIKELY)])
 
 
 def undecided(working: WorkingMap) -> int:
@@ -97,6 +98,21 @@ def _likely(working: WorkingMap, suspected: BoolArray) -> IntArray:
     return np.sort(best[(false <= FALSE) | (odds[best] >= np.where(back, LIKELY, SURE))])
 
 
+def _known(working: WorkingMap, network: PathNetwork, anchors: IntArray) -> FloatArray:
+    """Return errors (n, 3, 3) about the origin between the places of standing claims (n,).
+
+    Of many they are read from the solve, where all paths count: a search for the best path of each took most of the
+    time on w10000, with 10,000 of them.
+    """
+    own = working.claims[anchors]
+    if len(anchors) <= FEW or not working.drive.held or own.blind.any():
+        return network.errors(own.i, own.j)
+    poses = working.map.poses
+    _, known = working.drive.solver.known(poses, own.closures())
+    carry = carried_to_origin(poses[own.i], poses[own.j])
+    return np.asarray(carry @ known @ carry.transpose(0, 2, 1))
+
+
 def beside_standing(working: WorkingMap, network: PathNetwork) -> tuple[FloatArray, BoolArray]:
     """Return errors (M, 3, 3) about the origin for members of standing clusters, and which claims (M,) these are.
 
@@ -109,7 +125,7 @@ def beside_standing(working: WorkingMap, network: PathNetwork) -> tuple[FloatArr
     place = np.minimum(np.searchsorted(cells, cell), max(len(cells) - 1, 0))
     member = cells[place] == cell if len(cells) else np.zeros(len(claims), bool)
     errors = np.zeros((len(claims), 3, 3))
-    known = network.errors(claims.i[anchors], claims.j[anchors])
+    known = _known(working, network, anchors)
     own, beside = np.flatnonzero(member), anchors[place[member]]
     errors[own] = known[place[own]] + network.along(claims.i[own], claims.i[beside])
     errors[own] += network.along(claims.j[own], claims.j[beside])
