@@ -8,7 +8,7 @@ import pytest
 from topomap.core.geometry import Pose2
 from topomap.mapping.closures.claims import Claims
 from topomap.mapping.closures.closure_tests import Gate, Knowledge
-from topomap.mapping.closures.online import GATE
+from topomap.mapping.closures.robot_tests import GATE
 from topomap.mapping.uncertainty.agreement import Agreeing, SupportSettings, support
 
 OWN = np.diag([0.1, 0.1, 0.005])

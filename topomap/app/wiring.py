@@ -9,6 +9,7 @@ from importlib.metadata import version
 from topomap.app.config import StackConfig
 from topomap.app.saved_map import SavedMap
 from topomap.mapping.closures.closure_tests import ClosureTest
+from topomap.mapping.closures.robot_tests import RobotTests
 from topomap.mapping.mapper import Mapper
 from topomap.navigation.localiser import HERE, Localiser
 from topomap.navigation.manoeuvres.active_check import ActiveCheck
@@ -24,10 +25,12 @@ from topomap.vision.registry import aligned_homing, aligner
 PACKAGES = ("topomap", "numpy", "scipy", "numba", "opencv-python-headless", "gtsam", "networkx", "pymunk", "mcap")
 
 
-def build_navigator(config: StackConfig, tests: Sequence[ClosureTest] = (), saved: SavedMap | None = None) -> Navigator:
+def build_navigator(
+    config: StackConfig, tests: Sequence[ClosureTest] | RobotTests = (), saved: SavedMap | None = None
+) -> Navigator:
     """Return a stack with the methods that the settings name, fresh or on a saved map. Raises DataError.
 
-    tests: of closures, a user's own, asked before odometry is.
+    tests: of closures, a user's own, asked before odometry is, or all of them.
     """
     travel = config.travel
     homing = aligned_homing(travel.homing, travel.aligner)

@@ -15,6 +15,7 @@ from topomap.core.view_size import parse_view
 from topomap.mapping.closures.closure_tests import ClosureTest
 from topomap.mapping.closures.ledger import Ledger
 from topomap.mapping.closures.online import Closing, ClosingSettings
+from topomap.mapping.closures.robot_tests import RobotTests
 from topomap.mapping.graph import Snapshot, TopoMap
 from topomap.mapping.odometry.watch import OdometryWatch
 from topomap.mapping.optimisation import Optimisation, OptimisationSettings
@@ -46,7 +47,7 @@ class Mapper:
         self,
         settings: MapperSettings,
         aligner: Aligner,
-        tests: Sequence[ClosureTest] = (),
+        tests: Sequence[ClosureTest] | RobotTests = (),
         resumed: DriveStart | None = None,
     ) -> None:
         """tests: of closures, a user's own, asked before odometry is; resumed: a map to go on with, and where."""

@@ -14,7 +14,8 @@ from topomap.core.rig import Rig
 from topomap.mapping.closures.claims import Claims
 from topomap.mapping.closures.closure_tests import Knowledge
 from topomap.mapping.closures.ledger import Ledger
-from topomap.mapping.closures.online import Closing, ClosingSettings, RobotTests
+from topomap.mapping.closures.online import Closing, ClosingSettings
+from topomap.mapping.closures.robot_tests import RobotTests
 from topomap.mapping.graph import TopoMap
 from topomap.mapping.optimisation import Optimisation, OptimisationSettings
 from topomap.mapping.places.recognition import Moment, Proposal

@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import accumulate, pairwise
-from typing import NamedTuple
 
 import numpy as np
 from pydantic import BaseModel, Field
@@ -17,14 +15,14 @@ from topomap.core.geometry import Pose2
 from topomap.core.records import Candidate, Decision, Verdict
 from topomap.mapping.closures.appearance import Appearance, Outcome
 from topomap.mapping.closures.claims import Claims
-from topomap.mapping.closures.closure_tests import AtPlace, ClosureTest, Gate, Knowledge, Looks, Supported
+from topomap.mapping.closures.closure_tests import ClosureTest, Gate, Knowledge
 from topomap.mapping.closures.engine import ClosureEngine
 from topomap.mapping.closures.ledger import Ledger
 from topomap.mapping.closures.looks import LogRatio, UsualCost
 from topomap.mapping.closures.odds import mahalanobis
 from topomap.mapping.closures.relative_pose import RelativePoseEstimator, RelativePoseSettings
+from topomap.mapping.closures.robot_tests import GATE, RobotTests
 from topomap.mapping.closures.seen import Seen
-from topomap.mapping.closures.sight_tests import BY_SIGHT, BY_SPOT
 from topomap.mapping.closures.voting import Voting
 from topomap.mapping.optimisation import Optimisation
 from topomap.mapping.optimizer.problem import ClosureEdge
@@ -35,7 +33,6 @@ from topomap.mapping.uncertainty.reachability import Reachability
 from topomap.vision.contracts import Aligner
 
 REACH = 0.99  # probability that the true place is among those compared
-GATE = 0.95  # share of true closures that odometry lets pass
 ALONE = 1.2  # [m] where odometry knows the place better than this, it leaves no other
 
 
@@ -44,27 +41,6 @@ class ClosingSettings(BaseModel, frozen=True, extra="forbid"):
 
     certainty: float = Field(0.5, gt=0, lt=1, description="a closure less probable than this waits for others to agree")
     offset: RelativePoseSettings = Field(default_factory=RelativePoseSettings)
-
-
-class RobotTests(NamedTuple):
-    """The engine's tests in the order in which a robot can ask them: of what is seen, of the measured relative pose,
-    of the map for the few that are left and get a node of their own, and of others that agree, for what can't stand
-    alone.
-    """
-
-    sight: tuple[ClosureTest, ...] = BY_SIGHT
-    spot: tuple[ClosureTest, ...] = BY_SPOT
-    place: tuple[ClosureTest, ...] = (Looks(), AtPlace(), Gate(GATE))
-    company: tuple[ClosureTest, ...] = (Supported(),)
-
-    def all(self) -> tuple[ClosureTest, ...]:
-        """Return the list as the engine takes it."""
-        return (*self.sight, *self.spot, *self.place, *self.company)
-
-    def stages(self) -> tuple[slice, ...]:
-        """Return where the four parts stand in the list."""
-        ends = [0, *accumulate(map(len, self))]
-        return tuple(slice(*pair) for pair in pairwise(ends))
 
 
 class Closing:
