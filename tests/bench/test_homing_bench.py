@@ -115,7 +115,7 @@ def test_a_second_call_measures_nothing_and_other_parameters_measure_anew(tmp_pa
 
 def test_a_damaged_result_is_measured_anew(tmp_path: Path) -> None:
     measured(EXACT, store=Store(tmp_path))
-    for path in tmp_path.glob("*/*.pickle"):
+    for path in list(tmp_path.glob("*/*.json")):
         path.write_bytes(path.read_bytes()[:20])
     store = Store(tmp_path)
     assert measured(EXACT, store=store).rows[0].places == 34

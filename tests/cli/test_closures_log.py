@@ -153,7 +153,7 @@ def test_one_is_explained_with_its_history_and_a_picture(
     told = " ".join(capsys.readouterr().out.split())
     for part in (
         "score cost",
-        "limit voting.votes",
+        "limit certainty",
         "│ truth │ true: 0.00 m apart",
         "pending: waits",
         "accepted: 3 closures",

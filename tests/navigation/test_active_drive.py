@@ -61,7 +61,7 @@ def test_an_undecided_closure_is_accepted_by_what_homing_saw(
     decisions = [d for r in records for d in r.change.decisions]
     assert {d.verdict for d in decisions} >= {Verdict.PENDING, Verdict.ACCEPTED}
     accepted = [d for d in decisions if d.verdict is Verdict.ACCEPTED]
-    assert any("active check: homing" in d.reason for d in accepted)
+    assert any("and an active check" in d.reason for d in accepted)
     assert any(d.candidate.evidence.active == 1.0 for d in accepted)
     assert len(navigator.mapper.map.closures) == len(accepted)
 

@@ -107,9 +107,9 @@ def test_where_nothing_was_measured_the_map_grows_and_the_distance_scale_is_unob
     assert np.isfinite([kept.records[-1].command.forward, kept.records[-1].command.turn]).all()
 
 
-def test_where_nothing_is_ever_recognised_the_map_is_a_chain() -> None:
-    words = ("stack.mapper.recognition.min_travel=1", "stack.mapper.recognition.threshold=0.01")
-    mapper, kept = drive(taught(60), *words)
+def test_where_nothing_is_ever_recognised_the_map_is_a_chain(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("topomap.mapping.places.recognition.THRESHOLD", 0.01)
+    mapper, kept = drive(taught(60), "stack.mapper.recognition.min_travel=1")
     assert any(r.change.place is not None for r in kept.records), "places were searched"
     assert not mapper.ledger.decisions
     assert not mapper.map.closures

@@ -27,6 +27,7 @@ DECIDING = (
     "datasets/**/*.py",
     "bench/**/*.py",
     "experiments/*.py",
+    "navigation/**/*.py",
     "evaluation/statistics.py",
 )
 """The source files whose change makes kept results void."""

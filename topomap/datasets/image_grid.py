@@ -142,11 +142,11 @@ def _spec(folder: Path, spec_file: Path | None) -> GridSpec:
         return _known(folder)
     try:
         spec = GridSpec.model_validate(tomllib.loads(path.read_text(encoding="utf8")))
-    except (OSError, ValueError, RecursionError) as error:
-        raise DataError(f"{path}: can't be read: {error}") from error
     except ValidationError as error:
         first = error.errors()[0]
         raise DataError(f"{path}: {'.'.join(map(str, first['loc']))}: {first['msg']}") from error
+    except (OSError, ValueError, RecursionError) as error:
+        raise DataError(f"{path}: can't be read: {error}") from error
     if (spec.pattern is None) == (spec.csv is None):
         raise DataError(f"{path}: say either pattern or csv")
     return spec

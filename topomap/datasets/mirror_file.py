@@ -54,11 +54,11 @@ def read_mirror(path: Path) -> MirrorFile:
     """Read a mirror's rig file. Raises DataError that names file and key."""
     try:
         return MirrorFile.model_validate(tomllib.loads(path.read_text(encoding="utf8")))
-    except (OSError, ValueError, RecursionError) as error:
-        raise DataError(f"{path}: can't be read: {error}") from error
     except ValidationError as error:
         first = error.errors()[0]
         raise DataError(f"{path}: {'.'.join(map(str, first['loc']))}: {first['msg']}") from error
+    except (OSError, ValueError, RecursionError) as error:
+        raise DataError(f"{path}: can't be read: {error}") from error
 
 
 def mirror_text(mirror: MirrorRig) -> str:

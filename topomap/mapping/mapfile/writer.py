@@ -67,7 +67,7 @@ def _arrays(topo: TopoMap) -> dict[str, Array]:
         "image_ends": np.cumsum([len(e) for e in encoded], dtype=np.int64),
         "images": np.frombuffer(b"".join(encoded), np.uint8),
         "has_ranges": np.array([s is not None and s.ranges is not None for s in snapshots], bool),
-        "ranges": np.concatenate([np.zeros(0, np.float32), *ranges]),
+        "ranges": np.concatenate([np.zeros(0), *ranges]).astype(np.float32),
         "edge_ends": np.cumsum([len(e) for e in edges], dtype=np.int64),
         "increment_stamps_ns": joined.stamps_ns,
         "deltas": joined.deltas,
