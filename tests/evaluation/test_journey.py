@@ -20,7 +20,7 @@ def test_claimed_and_not_within_is_told_apart() -> None:
     assert result.claimed
     assert not result.within
     assert result.error == pytest.approx(0.4, abs=0.01)
-    assert result.path_ratio == pytest.approx(6.0 / 5.6, rel=0.01)
+    assert result.path_ratio is None, "a way that didn't lead home has no ratio"
 
 
 def test_within_thirty_centimetres() -> None:
@@ -28,6 +28,8 @@ def test_within_thirty_centimetres() -> None:
     result = home(nearer)
     assert result.within
     assert result.error == pytest.approx(0.0, abs=1e-9)
+    assert result.path_ratio == pytest.approx(1.0, rel=0.02)
+    assert home(replace(nearer, claimed=False)).path_ratio is None
 
 
 def test_only_contact_after_handover_is_a_collision() -> None:

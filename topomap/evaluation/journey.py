@@ -21,7 +21,7 @@ class HomeResult:
 
     claimed: the robot said it arrived; within: the last true position lies within 0.3 m of where the goal
     node was truly taken; error: that distance [m]; path_ratio: true path after hand-over over
-    `reference_route`; collisions: contact episodes (contiguous steps in contact) that begin after hand-over.
+    `reference_route`, None for a way that didn't lead home; collisions: contact episodes (contiguous steps in contact) that begin after hand-over.
     A replay is open loop: all None.
     """
 
@@ -70,7 +70,9 @@ def home(run: RunData) -> HomeResult:
         return HomeResult(asked=False)
     error = _error(run)
     within = None if error is None else error <= REACHED_M
-    return HomeResult(True, run.claimed, within, error, _path_ratio(run), _collisions(run))
+    # a way that didn't lead home has no ratio: the nearer the robot gave up, the better it would look
+    ratio = _path_ratio(run) if run.claimed and within is not False else None
+    return HomeResult(True, run.claimed, within, error, ratio, _collisions(run))
 
 
 def _error(run: RunData) -> float | None:
