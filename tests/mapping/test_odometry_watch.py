@@ -8,7 +8,7 @@ from sim2d import worlds
 from sim2d.config import SimConfig
 from sim2d.records import SetDown, SimReading
 from sim2d.robot import SimRobot
-from tests.helpers.played import moved, taught
+from played import moved, taught
 from topomap.core.panorama import Panorama
 from topomap.core.records import Command
 from topomap.mapping.odometry.watch import OdometryWatch
