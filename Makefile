@@ -23,6 +23,7 @@ lint: $(VENV)/.test
 bench: $(VENV)/.bench ## slow studies and timings; writes bench.json
 	$(BIN)/python -m tests.benchmarks
 	$(BIN)/python -m tests.fuzz
+	$(BIN)/pytest -n 2 -m slow
 
 mutate: $(VENV)/.test ## a sample of small mistakes, each to be noticed by a test; all of them: make mutate SAMPLE=0
 	$(BIN)/python -m tests.mutation --sample $(SAMPLE)

@@ -96,6 +96,7 @@ def test_a_replay_gives_the_same_map(finished: tuple[Path, dict[str, Any]], tmp_
     assert set(again["home"].values()) == {None}, "a replay can't change the drive"
 
 
+@pytest.mark.slow
 def test_a_replay_with_another_setting_gives_another_map(finished: tuple[Path, dict[str, Any]], tmp_path: Path) -> None:
     word = "stack.mapper.snapshots.threshold=0.6"
     done = topomap("replay", str(finished[0] / "run.mcap"), "--set", word, "--out", "again", cwd=tmp_path)

@@ -49,6 +49,7 @@ def test_half_shut_it_is_passed(taught: Taught) -> None:
     assert not any("no way through" in note for note in made.notes)
 
 
+@pytest.mark.slow
 def test_shut_it_is_gone_round(taught: Taught) -> None:
     assert taught.robot.world.set_gate("shut", False)
     made = home(taught)
@@ -58,6 +59,7 @@ def test_shut_it_is_gone_round(taught: Taught) -> None:
     assert any("no way through: plan a way round" in note for note in made.notes)
 
 
+@pytest.mark.slow
 def test_on_the_only_way_it_says_so_and_stops(taught: Taught) -> None:
     world = taught.robot.world
     assert world.set_gate("shut", False)

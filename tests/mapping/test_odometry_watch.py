@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from played import moved, taught
+
 from sim2d import worlds
 from sim2d.config import SimConfig
 from sim2d.records import SetDown, SimReading
 from sim2d.robot import SimRobot
-from played import moved, taught
 from topomap.core.panorama import Panorama
 from topomap.core.records import Command
 from topomap.mapping.odometry.watch import OdometryWatch

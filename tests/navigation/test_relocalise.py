@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
 from played import taught
+
 from topomap.core.arrays import Float32Array
 from topomap.core.geometry import Pose2
 from topomap.core.panorama import Panorama
