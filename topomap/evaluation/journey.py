@@ -21,7 +21,8 @@ class HomeResult:
 
     claimed: the robot said it arrived; within: the last true position lies within 0.3 m of where the goal
     node was truly taken; error: that distance [m]; path_ratio: true path after hand-over over
-    `reference_route`, None for a way that didn't lead home; collisions: contact episodes (contiguous steps in contact) that begin after hand-over.
+    `reference_route`, None for a way that didn't lead home; collisions: contact episodes (contiguous steps in
+    contact) that begin after hand-over.
     A replay is open loop: all None.
     """
 
