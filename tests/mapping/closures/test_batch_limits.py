@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from chains import HELD
 from lapped import CLOSURE, lapped
+from told import PLACES, STEP, Told, apart, by_place, claims_on, even, straight
 
 from topomap.core.arrays import BoolArray, FloatArray, IntArray
 from topomap.core.geometry import between
@@ -23,57 +23,7 @@ from topomap.mapping.odometry.increments import Calibration, EdgeIncrements, Inc
 from topomap.mapping.optimizer import OdometryEdges
 from topomap.mapping.uncertainty.network import PathNetwork
 
-PLACES = 140
-STEP = np.array([0.02, 0.02, 0.01])
 DRIFTING = STEP  # of a lapped drive that ends metres off
-Says = Callable[[Claims, Knowledge], FloatArray]
-
-
-class Told:
-    """A test that says what a function does; it keeps what it was asked."""
-
-    name, lowers = "told", False
-
-    def __init__(self, says: Says) -> None:
-        self._says = says
-        self.heard: list[tuple[Claims, Knowledge]] = []
-
-    def weigh(self, claims: Claims, knowledge: Knowledge) -> FloatArray:
-        self.heard.append((claims, knowledge))
-        return self._says(claims, knowledge)
-
-    def times(self, i: int) -> int:
-        """How often it was asked about claims of place i."""
-        return sum(int(np.isin(i, claims.i)) for claims, _ in self.heard)
-
-
-def even(odds: float) -> Told:
-    return Told(lambda claims, knowledge: np.full(len(claims), odds))
-
-
-def by_place(odds: dict[int, float], others: float) -> Told:
-    return Told(lambda claims, _: np.array([odds.get(i, others) for i in claims.i.tolist()]))
-
-
-def straight() -> Drive:
-    """A drive that does what its odometry says: steps of 1 m, bending a little."""
-    steps = np.tile([1.0, 0.0, 0.02], (PLACES - 1, 1))
-    noise = np.tile(np.diag(STEP**2), (len(steps), 1, 1))
-    poses = track(Increments(np.arange(len(steps)), steps, noise), Calibration())
-    place = np.arange(PLACES)
-    increments = EdgeIncrements(steps, noise, place)
-    return Drive(poses, OdometryEdges(place[:-1], place[1:], increments))
-
-
-def claims_on(drive: Drive, i: IntArray, j: IntArray, off: FloatArray | float = 0.0) -> Claims:
-    """Claims that the drive's own poses bear out but for an offset (3,) or (n, 3)."""
-    relative = between(drive.poses[i], drive.poses[j]) + np.broadcast_to(off, (len(i), 3))
-    return Claims.of(i, j, relative, np.tile(np.diag(CLOSURE**2), (len(i), 1, 1)))
-
-
-def apart(count: int, first: int = 0) -> tuple[IntArray, IntArray]:
-    """Pairs of places, none near another pair: each claim is a cluster of its own."""
-    return first + 6 * np.arange(count), np.full(count, PLACES - 1)
 
 
 def rounds_of(drive: Drive, claims: Claims, test: Told) -> tuple[Judgement, int, int]:
@@ -289,49 +239,6 @@ def test_what_a_test_is_told_of_a_claim() -> None:
     assert len(everyone) == 41
     assert (settled.prevalence >= finishing.LIKELY).all()
     assert (settled.errors[:, 2, 2] <= known.errors[0, 2, 2] / 3).all()  # it knows them over the closures now
-
-
-def strain_first(monkeypatch: pytest.MonkeyPatch, which: int) -> list[BoolArray]:
-    """Let the cluster of claim `which` strain every map."""
-    seen: list[BoolArray] = []
-
-    def always(_: FloatArray, __: Claims, label: IntArray, standing: IntArray, network: PathNetwork) -> BoolArray:
-        tense = np.zeros(int(label.max()) + 1, bool)
-        tense[label[which]] = which in standing
-        seen.append(tense)
-        return tense
-
-    monkeypatch.setattr(finishing, "strained", always)
-    return seen
-
-
-class Afterthought(Told):
-    """Favours all, but for place 0 once it has been known by its own closure and no longer is."""
-
-    def __init__(self, later: float) -> None:
-        self._was_in = False
-        super().__init__(self._judge)
-        self._later = later
-
-    def _judge(self, claims: Claims, knowledge: Knowledge) -> FloatArray:
-        odds = np.full(len(claims), 30.0)
-        for n in np.flatnonzero(claims.i == 0).tolist():
-            known = knowledge.errors[n, 2, 2] <= 1.01 * CLOSURE[2] ** 2
-            odds[n] = 30.0 if known or not self._was_in else self._later
-            self._was_in |= bool(known)
-        return odds
-
-
-@pytest.mark.parametrize(("later", "expected"), [(-5.0, False), (30.0, True)])
-def test_what_strains_the_map_is_weighed_once_more_without_itself(
-    later: float, expected: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    drive, (i, j) = straight(), apart(8)
-    seen = strain_first(monkeypatch, 0)
-    found = Batch(drive, claims_on(drive, i, j), (Afterthought(later),)).grown()
-    assert found.inlier[1:].all()
-    assert found.inlier[0] == expected
-    assert 2 <= len(seen) <= 3  # suspected once, not over and over
 
 
 def fickle_map(seed: int) -> tuple[Drive, Judgement]:
