@@ -102,7 +102,7 @@ class Mapper:
         self._stamp_ns = reading.stamp_ns
         self._move(reading, bool(broken) or self._watch.doubted)
         if broken:
-            self._part(broken)
+            self._part()
         difference = self._difference(panorama)
         added = self._keep(reading, panorama, difference, broken)
         place, decisions = self._recognise(reading.stamp_ns, panorama)
@@ -191,7 +191,7 @@ class Mapper:
         last = self.view_cache.panorama(self._last_snapshot)
         return rotation_difference(signature(panorama), signature(last))[0]
 
-    def _part(self, reason: str) -> None:
+    def _part(self) -> None:
         """Begin anew behind a gap: what comes isn't compared with what was before it."""
         self._previous, self._last_snapshot = None, -1
         if self._gap is None:

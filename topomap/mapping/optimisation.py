@@ -35,8 +35,6 @@ from topomap.vision.contracts import Aligner
 
 # places seen again tell nothing of the distance scale and would bend it (DESIGN.md): it is held at what was measured
 HELD = 1e-4
-
-
 # [log rotation scale, rad/m, log distance scale] the distances that a loaded map's calibration was found with aren't
 # kept: it stays nearly as it was found
 KEPT_SIGMAS = (0.01, 0.002, 0.01)
@@ -124,14 +122,19 @@ class Optimisation:
         self._map.move(self._map.dead_reckoning(), Calibration())
         self._covariance = np.diag(np.square(PRIOR_SIGMAS))
 
+    @property
+    def _on_map(self) -> set[tuple[int, int]]:
+        """The pairs of nodes that closures join now."""
+        return {(c.i, c.j) for c in self._map.closures}
+
     def _standing(self) -> list[tuple[ClosureEdge, Candidate]]:
-        on_map = {(c.i, c.j) for c in self._map.closures}
+        on_map = self._on_map
         return [(edge, candidate) for edge, candidate in self._closures if (edge.i, edge.j) in on_map]
 
     def disbelieve(self, stamp_ns: int, ledger: Ledger, behind: set[int], reason: str) -> list[Decision]:
         """Take back for good what joins nodes `behind` a gap with others: it was seen by one who was elsewhere."""
         kept, changed = [], []
-        on_map = {(c.i, c.j) for c in self._map.closures}
+        on_map = self._on_map
         for edge, candidate in self._closures:
             if (edge.i in behind) == (edge.j in behind):
                 kept.append((edge, candidate))
@@ -177,7 +180,7 @@ class Optimisation:
 
     def _doubted(self) -> BoolArray:
         """Return which closures (M,) the map does without."""
-        on_map = {(c.i, c.j) for c in self._map.closures}
+        on_map = self._on_map
         return np.array([(edge.i, edge.j) not in on_map for edge, _ in self._closures], bool)
 
     def _advance(self, stamp_ns: int, ledger: Ledger) -> tuple[bool, list[Decision]]:
@@ -259,7 +262,7 @@ class Optimisation:
     def _review(self, stamp_ns: int, ledger: Ledger, heard: Sequence[int], weights: FloatArray) -> list[Decision]:
         """Withdraw what a solution disbelieves and take back what it believes again; each stays for later solves."""
         changed = []
-        on_map = {(c.i, c.j) for c in self._map.closures}
+        on_map = self._on_map
         for k, weight in zip(heard, weights.tolist(), strict=True):
             edge, candidate = self._closures[k]
             standing = (edge.i, edge.j) in on_map

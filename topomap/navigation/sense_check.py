@@ -57,6 +57,7 @@ class SenseCheck:
         amiss = {
             stop: bool(stop),
             "ranges lost: going on slowly, by contact": blind,
+            "readings come late: going on slowly": late,
             odometry: bool(odometry),
         }
         event = self._event({what for what, is_so in amiss.items() if is_so})
