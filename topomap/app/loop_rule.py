@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from topomap.app.runs import open_log
+from topomap.app.stored_run import open_log
 from topomap.core.geometry import Pose2
 from topomap.core.records import Candidate, Decision, Verdict
 from topomap.core.robot import Reading, Robot

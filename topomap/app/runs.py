@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import json
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -13,18 +12,17 @@ from typing import Any
 from logs.errors import LogError
 from logs.header import Header
 from logs.recorder import Recorder
-from logs.replay import ReplayRobot
 from sim2d import worlds
 from sim2d.errors import WorldError
 from sim2d.robot import SimRobot
 from topomap.app.config import RunConfig
 from topomap.app.folder import RunFolder
 from topomap.app.interrupt import Stop, stop_on_signal
-from topomap.app.saved_map import SavedMap, begun_with, write_truths
-from topomap.app.stored_config import parse_stored
+from topomap.app.saved_map import SavedMap, write_truths
+from topomap.app.stored_run import StoredRun
 from topomap.app.warm_up import warm_up
 from topomap.app.wiring import build_navigator, versions
-from topomap.core.errors import ConfigError, DataError, RobotFault
+from topomap.core.errors import DataError, RobotFault
 from topomap.core.records import Phase, StepRecord
 from topomap.core.robot import Reading, Robot, TruthSource
 from topomap.core.run_data import RunData, TrueCalibration
@@ -259,46 +257,6 @@ def map_now(topo: TopoMap) -> MapNow:
 
 def _edges(topo: TopoMap) -> tuple[tuple[int, int, str], ...]:
     return tuple((a, b, data["kind"]) for a, b, data in topo.graph.edges(data=True))
-
-
-@dataclass(frozen=True)
-class StoredRun:
-    """A log as a robot, its configuration, and a line for each of its settings that is no more."""
-
-    robot: ReplayRobot
-    config: RunConfig
-    notes: tuple[str, ...]
-    saved: SavedMap | None = None
-
-
-def open_log(path: Path, settings: Iterable[str] = ()) -> StoredRun:
-    """Return a log that can be replayed, its stored configuration changed by `section.key=value` words.
-
-    Raises DataError or ConfigError.
-    """
-    try:
-        robot = ReplayRobot(path, skip_damaged=True)
-    except LogError as error:
-        raise DataError(str(error)) from error
-    words = tuple(settings)
-    for word in words:
-        if not word.strip().startswith("stack."):
-            raise ConfigError(
-                f"--set {word}: a replay takes settings of the stack alone (stack.*), the drive is history"
-            )
-    config, notes = parse_stored(_stored(robot, path), f"{path}: its stored configuration", words)
-    return StoredRun(robot, config, notes, begun_with(robot, config.stack.mission))
-
-
-def _stored(robot: ReplayRobot, path: Path) -> dict[str, Any]:
-    """Return the configuration that a log keeps. Raises DataError."""
-    try:
-        stored = json.loads(robot.header.config)
-    except (ValueError, RecursionError) as error:
-        raise DataError(f"{path}: its stored configuration isn't JSON ({type(error).__name__})") from error
-    if not isinstance(stored, dict):
-        raise DataError(f"{path}: its stored configuration is no table")
-    return stored
 
 
 def report_log(path: Path, out: Path, force: bool = False) -> RunResult:

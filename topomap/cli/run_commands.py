@@ -70,8 +70,9 @@ def replay(
     from topomap.app import runs
     from topomap.app.folder import RunFolder
     from topomap.app.same import compare
+    from topomap.app.stored_run import open_log
 
-    stored = runs.open_log(log, settings)
+    stored = open_log(log, settings)
     folder = RunFolder.create(out or log.parent / "replay", keep=log, force=force)
     with progress("replay", stored.robot.steps) as advance, told_faults():
         result = runs.replay_log(stored, folder, advance)
