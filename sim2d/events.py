@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 
 from sim2d.body import Body
-from sim2d.camera import Camera
 from sim2d.changes import Changes
 from sim2d.config import KidnapConfig, LightChange, SimConfig
 from sim2d.driver import Driver
 from sim2d.errors import WorldError
+from sim2d.sensors.camera import Camera
 from sim2d.world import World
 
 Pose = tuple[float, float, float]

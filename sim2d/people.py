@@ -10,9 +10,9 @@ import numpy as np
 import pymunk
 from numpy.typing import NDArray
 
-from sim2d import scene as scenes
-from sim2d.atlas import AtlasBuilder
 from sim2d.errors import WorldError
+from sim2d.render import scene as scenes
+from sim2d.render.atlas import AtlasBuilder
 from sim2d.shapes import Person, Point
 
 SOLID, AGENT = 0b1, 0b10  # pymunk categories: what stops rays and the robot; the robot

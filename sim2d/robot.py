@@ -9,20 +9,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim2d.body import Body
-from sim2d.camera import Camera
 from sim2d.config import SimConfig
 from sim2d.crowd import crowd
 from sim2d.driver import STUCK_S, Driver
 from sim2d.errors import WorldError
 from sim2d.events import Events
-from sim2d.laser import Laser
-from sim2d.odometer import Odometer, joined
-from sim2d.odometry_faults import OdometryFaults
 from sim2d.path import of_route
 from sim2d.records import EPOCH_NS, CameraRig, OdometerReading, SetDown, SimReading, SimTruth, TrueCalibration
+from sim2d.sensors.camera import Camera
+from sim2d.sensors.laser import Laser
+from sim2d.sensors.odometer import Odometer, joined
+from sim2d.sensors.odometry_faults import OdometryFaults
+from sim2d.sensors.way import Way
 from sim2d.start import start_pose
 from sim2d.streams import stream
-from sim2d.way import Way
 from sim2d.world import World
 
 

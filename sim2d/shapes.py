@@ -18,7 +18,7 @@ DEFAULT_ROUTE = "default"
 class Decal:
     """A flat thing on a surface, from `start` [m] along it, `length` [m] long, `base`..`top` [m] above the floor.
 
-    kind: a painter's name (`sim2d.decals`); colour (r, g, b) in [0, 1]; seed: same seed, same look.
+    kind: a painter's name (`sim2d.render.decals`); colour (r, g, b) in [0, 1]; seed: same seed, same look.
     """
 
     kind: str
@@ -32,7 +32,7 @@ class Decal:
 
 @dataclass(frozen=True, slots=True)
 class Look:
-    """How a surface looks: base colour (r, g, b) in [0, 1], painter's name (`sim2d.paint`), seed, decals.
+    """How a surface looks: base colour (r, g, b) in [0, 1], painter's name (`sim2d.render.paint`), seed, decals.
 
     repeat: the picture is painted for so many metres and then repeats, 0: for the whole surface. Surfaces with the same
     look, repeat and height share their texels, however long they are. glass: a range scanner doesn't see it.

@@ -13,13 +13,13 @@ from matplotlib.collections import EllipseCollection, LineCollection, PolyCollec
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from sim2d.camera import Camera
+from sim2d.clearance import grid_positions
 from sim2d.config import CameraConfig
 from sim2d.path import of_route
+from sim2d.sensors.camera import Camera
 from sim2d.shapes import Colour, Spec
 from sim2d.streams import stream
 from sim2d.world import World
-from sim2d.world_clearance import grid_positions
 
 VIEWS = 4  # panoramas along a route
 ROUTES = ("tab:blue", "tab:orange", "tab:green", "tab:purple")

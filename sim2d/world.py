@@ -10,11 +10,11 @@ import numpy as np
 import pymunk
 from numpy.typing import NDArray
 
-from sim2d import scene as scenes
-from sim2d.atlas import Atlas, AtlasBuilder
-from sim2d.daylight import EVEN, daylight_at
 from sim2d.errors import WorldError
 from sim2d.people import People
+from sim2d.render import scene as scenes
+from sim2d.render.atlas import Atlas, AtlasBuilder
+from sim2d.render.daylight import EVEN, daylight_at
 from sim2d.shapes import Box, Cylinder, Gate, Look, Person, Point, Spec, Wall
 
 STATIC = 0b1

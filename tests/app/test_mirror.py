@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from sim2d import worlds
-from sim2d.camera import Camera
 from sim2d.config import CameraConfig
-from sim2d.mirror import MirrorRig as RawRig
+from sim2d.sensors.camera import Camera
+from sim2d.sensors.mirror import MirrorRig as RawRig
 from topomap.core.panorama import Panorama
 from topomap.core.rig import Rig
 from topomap.vision.image.unwrap import MirrorRig, fit_mirror, unwrap

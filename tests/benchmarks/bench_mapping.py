@@ -10,9 +10,9 @@ from collections.abc import Callable
 import numpy as np
 
 from sim2d import worlds
-from sim2d.camera import Camera
 from sim2d.config import CameraConfig
 from sim2d.path import of_route
+from sim2d.sensors.camera import Camera
 from sim2d.streams import stream
 from topomap.core.panorama import Panorama
 from topomap.mapping.places.place_index import PlaceIndex

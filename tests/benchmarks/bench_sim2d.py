@@ -11,10 +11,10 @@ import numpy as np
 import pymunk
 
 from sim2d import worlds
-from sim2d.camera import Camera
 from sim2d.config import CameraConfig
 from sim2d.path import of_route
-from sim2d.raycast import cast
+from sim2d.render.raycast import cast
+from sim2d.sensors.camera import Camera
 from sim2d.shapes import Box, Ground, Look, Route, Spec, rectangle
 from sim2d.streams import stream
 from sim2d.world import STATIC, World

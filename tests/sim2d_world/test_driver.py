@@ -15,7 +15,7 @@ from sim2d.path import of_route
 from sim2d.robot import SimRobot
 from sim2d.shapes import Ground, Look, Route, Spec
 from sim2d.world import World
-from sim2d.world_room import room_corridor
+from sim2d.worlds.room import room_corridor
 
 
 def drive(world: World, route: Route, laps: float | None = None) -> tuple[Driver, float, bool]:

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from sim2d import floorplan, worlds
+from sim2d.clearance import Clearance
 from sim2d.errors import WorldError
-from sim2d.floorplan_map import read_map
+from sim2d.floorplan.map_file import read_map
 from sim2d.path import of_route
-from sim2d.world_clearance import Clearance
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "worlds" / "offices.yaml"
 CELL = 0.05

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from sim2d import worlds
-from sim2d.camera import Camera, decode
 from sim2d.config import CameraConfig, LaserConfig
-from sim2d.laser import Laser
 from sim2d.path import of_route
+from sim2d.sensors.camera import Camera, decode
+from sim2d.sensors.laser import Laser
 from sim2d.shapes import Box, Ground, Look, Route, Spec, Wall, rectangle
 from sim2d.streams import stream
 from sim2d.world import World

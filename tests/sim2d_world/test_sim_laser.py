@@ -9,8 +9,8 @@ import pytest
 
 from sim2d import worlds
 from sim2d.config import LaserConfig, SimConfig
-from sim2d.laser import Laser
 from sim2d.robot import SimRobot
+from sim2d.sensors.laser import Laser
 from sim2d.shapes import Box, Ground, Look, Route, Spec, Wall, rectangle
 from sim2d.streams import stream
 from sim2d.world import World

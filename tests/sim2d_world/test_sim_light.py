@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from sim2d.camera import Camera
 from sim2d.config import CameraConfig, SimConfig
-from sim2d.hours import lamp_level, sky_level, sun
+from sim2d.render.hours import lamp_level, sky_level, sun
 from sim2d.robot import SimRobot
+from sim2d.sensors.camera import Camera
 from sim2d.shapes import Decal, Ground, Light, Look, Route, Spec, Wall
 from sim2d.streams import stream
 from sim2d.world import World

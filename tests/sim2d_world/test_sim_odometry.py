@@ -11,9 +11,9 @@ from pydantic import ValidationError
 from sim2d import worlds
 from sim2d.config import KidnapConfig, OdometerConfig, SimConfig
 from sim2d.errors import WorldError
-from sim2d.odometer import Odometer, joined
 from sim2d.records import EPOCH_NS, SetDown, SimReading, SimTruth
 from sim2d.robot import SimRobot
+from sim2d.sensors.odometer import Odometer, joined
 from sim2d.streams import stream
 
 SMALL = {"camera": {"width": 72, "height": 20, "forward_column": 36}, "laser": {"rays": 36}}

@@ -13,12 +13,12 @@ from hypothesis import strategies as st
 
 from sim2d import worlds
 from sim2d.body import Body
-from sim2d.camera import Camera
 from sim2d.changes import Changes, middle, moved
 from sim2d.config import BodyConfig, CameraConfig, SimConfig
 from sim2d.errors import WorldError
-from sim2d.raycast import cast
+from sim2d.render.raycast import cast
 from sim2d.robot import SimRobot
+from sim2d.sensors.camera import Camera
 from sim2d.shapes import Box, Change, Cylinder, Gate, Ground, Look, Person, Route, Spec, Wall, rectangle
 from sim2d.streams import stream
 from sim2d.world import STATIC, World

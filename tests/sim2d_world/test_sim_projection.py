@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from sim2d import worlds
-from sim2d.camera import Camera
 from sim2d.config import CameraConfig
-from sim2d.mirror import MirrorRig, mirror_map, tilt_map
+from sim2d.sensors.camera import Camera
+from sim2d.sensors.mirror import MirrorRig, mirror_map, tilt_map
 from sim2d.shapes import Cylinder, Ground, Look, Route, Spec, Wall, rectangle
 from sim2d.streams import stream
 from sim2d.world import World

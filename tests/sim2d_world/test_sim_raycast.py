@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from sim2d import worlds
-from sim2d.raycast import cast
+from sim2d.render.raycast import cast
 from sim2d.shapes import Box, Cylinder, Gate, Ground, Look, Route, Spec, Wall
 from sim2d.world import STATIC, World
 

@@ -14,10 +14,10 @@ from sim2d.body import Body
 from sim2d.config import BodyConfig, CameraConfig, DriverConfig, LaserConfig, OdometerConfig, SimConfig
 from sim2d.driver import Driver
 from sim2d.errors import WorldError
-from sim2d.odometer import Odometer
 from sim2d.path import of_route
 from sim2d.records import EPOCH_NS
 from sim2d.robot import SimRobot
+from sim2d.sensors.odometer import Odometer
 from sim2d.shapes import Box, Cylinder, Look, Wall
 from sim2d.streams import stream
 from sim2d.world import World

@@ -10,17 +10,17 @@ import numpy as np
 import pytest
 
 from sim2d import worlds
-from sim2d.camera import Camera
 from sim2d.config import CameraConfig, LensConfig, ShutterConfig, SimConfig, SwayConfig
 from sim2d.crowd import crowd
-from sim2d.field import Field
-from sim2d.odometer import Odometer
 from sim2d.path import of_route
 from sim2d.robot import SimRobot
-from sim2d.shutter import moments
+from sim2d.sensors.camera import Camera
+from sim2d.sensors.field import Field
+from sim2d.sensors.odometer import Odometer
+from sim2d.sensors.shutter import moments
+from sim2d.sensors.sway import Sway
+from sim2d.sensors.way import Way
 from sim2d.streams import stream
-from sim2d.sway import Sway
-from sim2d.way import Way
 
 QUIET = {"noise": 0.0, "codec": "png"}
 
@@ -196,7 +196,7 @@ def test_companions_walk_beside_the_robot_all_the_way() -> None:
 
 def test_ranges_pass_through_glass(tmp_path: object) -> None:
     from sim2d.config import LaserConfig
-    from sim2d.laser import Laser
+    from sim2d.sensors.laser import Laser
     from sim2d.shapes import Ground, Look, Route, Spec, Wall, rectangle
     from sim2d.world import World
 

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from sim2d import worlds
-from sim2d.generate_blocks import Blocks
-from sim2d.generate_campus import PITCH, campus
+from sim2d.clearance import Clearance, grid_positions
+from sim2d.generate.blocks import Blocks
+from sim2d.generate.campus import PITCH, campus
 from sim2d.path import of_route
 from sim2d.shapes import Box, Cylinder, Gate, Grid, Ground, Look, Point, Route, Spec, Wall, rectangle
 from sim2d.world import World
-from sim2d.world_clearance import Clearance, grid_positions
 
 GRIDS = {
     "a1original": ((10, 17), 170),

@@ -12,10 +12,10 @@ from pydantic import ValidationError
 
 import sim2d
 from sim2d import worlds
-from sim2d.camera import Camera
 from sim2d.config import CameraConfig, LaserConfig
 from sim2d.errors import WorldError
-from sim2d.laser import Laser
+from sim2d.sensors.camera import Camera
+from sim2d.sensors.laser import Laser
 from sim2d.shapes import Grid
 from sim2d.world import World
 from topomap.bench.pool import digest_files

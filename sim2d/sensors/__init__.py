@@ -1,0 +1,1 @@
+"""What the robot senses with, and what spoils it: camera, range scanner, odometer."""
