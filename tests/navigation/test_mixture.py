@@ -16,7 +16,7 @@ SMALL = 0.01 * np.eye(3)
 
 def pair() -> Mixture:
     start = Mixture.at(np.array([0.0, 0.0, 0.0]), SMALL, 0.5)
-    return start.joined_by(np.array([[4.0, 2.0, math.pi / 2]]), SMALL, np.log([0.2]), np.array([np.inf])).normalised()
+    return start.joined_by(np.array([[4.0, 2.0, math.pi / 2]]), SMALL, np.log([0.2])).normalised()
 
 
 def probabilities(mixture: Mixture) -> list[float]:
@@ -53,18 +53,23 @@ def test_a_measured_pose_is_between_and_across_the_turn_of_the_angle() -> None:
 
 def test_near_hypotheses_become_one_and_keep_their_probability() -> None:
     start = pair()
-    twin = start.joined_by(np.array([[0.1, 0.1, 0.05]]), SMALL, np.log([0.1]), np.array([0.3])).normalised()
-    one = twin.pruned()
+    twin = start.joined_by(np.array([[0.1, 0.1, 0.05]]), SMALL, np.log([0.1])).normalised()
+    one = twin.looked(np.array([0, 2]), np.array([0.3, 0.5])).pruned()
     assert len(one) == 2
     assert sum(probabilities(one)) == pytest.approx(1.0)
     assert math.exp(one.weights[0]) == pytest.approx((0.5 / 1.2 + 0.1) / 1.1)
-    assert one.best[0] == 0.3
+    assert one.seen[0].tolist() == [0.3, 1.0]  # of the likelier one
+
+
+def test_looks_add_up_for_those_that_had_them() -> None:
+    seen = pair().looked(np.array([1]), np.array([0.2])).looked(np.array([0, 1]), np.array([0.1, 0.4])).seen
+    assert seen == pytest.approx(np.array([[0.1, 1.0], [0.6, 2.0]]))
 
 
 def test_no_more_are_kept_than_a_step_has_time_for() -> None:
     count = 2 * MOST
     poses = np.column_stack([np.arange(count) * 2.0, np.zeros(count), np.zeros(count)])
-    many = Mixture.unknown().joined_by(poses, SMALL, -np.linspace(1, 9, count), np.full(count, np.inf)).normalised()
+    many = Mixture.unknown().joined_by(poses, SMALL, -np.linspace(1, 9, count)).normalised()
     kept = many.pruned()
     assert len(kept) == MOST
     assert kept.poses[0, 0] == 0.0
@@ -82,8 +87,8 @@ def test_a_likeness_that_half_the_map_has_says_little() -> None:
 
 def test_a_break_leaves_little_and_forgets_what_was_seen_before_it() -> None:
     start = Mixture.at(np.zeros(3), SMALL, 1e-3)
-    seen = Mixture(start.poses, start.covariances, start.weights, np.array([0.05]), start.elsewhere)
+    seen = Mixture(start.poses, start.covariances, start.weights, np.array([[0.05, 1.0]]), start.elsewhere)
     after = seen.shaken(0.8)
     assert math.exp(after.weights[0]) == pytest.approx(0.2, abs=1e-3)
     assert sum(probabilities(after)) == pytest.approx(1.0)
-    assert np.isinf(after.best).all()
+    assert not after.seen.any()

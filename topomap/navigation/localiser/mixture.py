@@ -20,14 +20,14 @@ SAME, SAME_TURN = 0.6, 0.6
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Mixture:
-    """n hypotheses: poses (n, 3), covariances (n, 3, 3) in the map frame, log weights (n,); best (n,): the least
-    likeness over the last stretch (infinite: none was taken). elsewhere: log weight of all that isn't among them.
+    """n hypotheses: poses (n, 3), covariances (n, 3, 3) in the map frame, log weights (n,); seen (n, 2): over the last
+    stretch the sum of squared likenesses, and how many looks. elsewhere: log weight of all that isn't among them.
     """
 
     poses: FloatArray
     covariances: FloatArray
     weights: FloatArray
-    best: FloatArray
+    seen: FloatArray
     elsewhere: float
 
     def __len__(self) -> int:
@@ -36,13 +36,13 @@ class Mixture:
     @staticmethod
     def unknown() -> Mixture:
         """Return that nothing is known."""
-        return Mixture(np.zeros((0, 3)), np.zeros((0, 3, 3)), np.zeros(0), np.zeros(0), 0.0)
+        return Mixture(np.zeros((0, 3)), np.zeros((0, 3, 3)), np.zeros(0), np.zeros((0, 2)), 0.0)
 
     @staticmethod
     def at(pose: FloatArray, covariance: FloatArray, doubt: float) -> Mixture:
         """Return one hypothesis, which doesn't hold with a probability of `doubt`."""
         return Mixture(
-            pose[None].copy(), covariance[None].copy(), np.log([1.0 - doubt]), np.full(1, np.inf), float(np.log(doubt))
+            pose[None].copy(), covariance[None].copy(), np.log([1.0 - doubt]), np.zeros((1, 2)), float(np.log(doubt))
         )
 
     def moved(self, motion: Motion, noise: FloatArray) -> Mixture:
@@ -79,15 +79,21 @@ class Mixture:
         spread[which] = (np.eye(3) - gain) @ prior
         return replace(self, poses=new, covariances=0.5 * (spread + spread.transpose(0, 2, 1)))
 
-    def joined_by(self, poses: FloatArray, covariance: FloatArray, weights: FloatArray, best: FloatArray) -> Mixture:
+    def joined_by(self, poses: FloatArray, covariance: FloatArray, weights: FloatArray) -> Mixture:
         """Return the mixture with new hypotheses (k, 3) of log weights (k,), each with that covariance (3, 3)."""
         return replace(
             self,
             poses=np.concatenate([self.poses, poses]),
             covariances=np.concatenate([self.covariances, np.broadcast_to(covariance, (len(poses), 3, 3))]),
             weights=np.concatenate([self.weights, weights]),
-            best=np.concatenate([self.best, best]),
+            seen=np.concatenate([self.seen, np.zeros((len(poses), 2))]),
         )
+
+    def looked(self, which: IntArray, squares: FloatArray) -> Mixture:
+        """Return hypotheses `which` (k,) with a look more, of squared likeness `squares` (k,)."""
+        seen = self.seen.copy()
+        seen[which] += np.column_stack([squares, np.ones(len(which))])
+        return replace(self, seen=seen)
 
     def weighed(self, ratios: FloatArray, escape: float) -> Mixture:
         """Return the weights times likelihood ratios (n,) in logs; each fails with a probability `escape` first."""
@@ -98,8 +104,9 @@ class Mixture:
     def shaken(self, doubt: float) -> Mixture:
         """Return the mixture after something that none of the hypotheses survived with a probability of `doubt`."""
         rest = float(np.logaddexp(self.elsewhere + np.log1p(-doubt), np.log(doubt)))
-        best = np.full(len(self), np.inf)
-        return replace(self, weights=self.weights + np.log1p(-doubt), best=best, elsewhere=rest).normalised()
+        return replace(
+            self, weights=self.weights + np.log1p(-doubt), seen=np.zeros((len(self), 2)), elsewhere=rest
+        ).normalised()
 
     def normalised(self) -> Mixture:
         """Return weights that add up to one."""
@@ -111,7 +118,7 @@ class Mixture:
         order = np.argsort(-self.weights, kind="stable")
         order = order[self.weights[order] > LEAST]
         alike = self.near(self.poses[order])[:, order]
-        weights, best = self.weights[order].copy(), self.best[order].copy()
+        weights = self.weights[order].copy()
         keep, taken = list[int](), np.zeros(len(order), bool)
         for k in range(len(order)):
             if taken[k]:
@@ -119,11 +126,13 @@ class Mixture:
             if len(keep) == MOST:
                 break
             group = alike[k] & ~taken
-            weights[k], best[k] = np.logaddexp.reduce(weights[group]), best[group].min()
+            weights[k] = np.logaddexp.reduce(weights[group])
             taken |= group
             keep.append(k)
         kept = order[keep]
-        return Mixture(self.poses[kept], self.covariances[kept], weights[keep], best[keep], self.elsewhere).normalised()
+        return Mixture(
+            self.poses[kept], self.covariances[kept], weights[keep], self.seen[kept], self.elsewhere
+        ).normalised()
 
     def near(self, poses: FloatArray) -> BoolArray:
         """Return (k, n) whether poses (k, 3) and the hypotheses are one and the same."""

@@ -1,4 +1,4 @@
-"""The map's snapshots as the belief sees them: how unlike each is to the current view, at every rotation."""
+"""The map's snapshots as the belief sees them: how unlike each is to the view, turned and moved as it may be."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ import numpy as np
 from topomap.core.arrays import FloatArray, IntArray
 from topomap.core.geometry import TAU, wrap_all
 from topomap.mapping.places.recognition import Recognition
-from topomap.vision.image.compare import Signature, parabola
+from topomap.vision.image.compare import parabola
+from topomap.vision.image.surroundings import Surroundings
 
 SAMPLE = 64
 """Places by which it is told how unlike places are: their median then errs by a twentieth of its spread."""
@@ -20,57 +21,90 @@ OPPOSITE = 15
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Usual:
+    """How unlike places of the map are to a view: the median difference, and a sample of them over it (m,)."""
+
+    difference: float
+    others: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Found:
+    """What n looks found: likeness (n,), the difference over the usual one; rotations (n,) [rad], the robot's heading
+    minus the snapshot's as in `Alignment`; points (n, 2) [m]: where the snapshot stands, ahead and to the left.
+    """
+
+    likeness: FloatArray
+    rotations: FloatArray
+    points: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Seen:
-    """The current view against some of the first places of the map.
+    """The current view, and those predicted around it, against some of the first places of the map.
 
     places (k,) in the order of the map's snapshots; squares (k, C): mean squared differences, the view rolled by so
-    many columns; usual: the median difference to the map's places; others (m,): a sample of them over the median.
+    many columns, the least of all points around; which (k, C): the point, of points (D, 2) [m].
     """
 
     places: IntArray
     squares: FloatArray
-    usual: float
-    others: FloatArray
+    which: IntArray
+    points: FloatArray
+    usual: Usual
 
-    def at(self, places: IntArray, rotations: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return likeness (n,) to places (n,) near the expected rotations (n,), and the rotations found (n,) [rad].
-
-        A rotation is the robot's heading minus the snapshot's, as in `Alignment`.
-        """
+    def at(self, places: IntArray, rotations: FloatArray) -> Found:
+        """Return what is found of places (n,) near the expected rotations (n,) [rad]."""
         columns = self.squares.shape[1]
         rows = np.searchsorted(self.places, places)
         middle = np.rint(np.mod(rotations, TAU) * columns / TAU).astype(np.int64)
         window = (middle[:, None] + np.arange(-WINDOW, WINDOW + 1)) % columns
         values = self.squares[rows[:, None], window]
         best = values.argmin(axis=1)
-        found = window[np.arange(len(places)), best]
-        low, rotation = self._bottom(rows, found)
-        return np.sqrt(np.maximum(low, 0.0)) / self.usual, rotation
+        return self._bottom(rows, window[np.arange(len(places)), best])
 
-    def minima(self) -> tuple[IntArray, FloatArray, FloatArray]:
-        """Return places (2 k,), likeness and rotations [rad] of each one's best rotation and of the best other one."""
+    def minima(self) -> tuple[IntArray, Found]:
+        """Return places (2 k,), and what is found at each one's best rotation and at the best other one."""
         k, columns = self.squares.shape
         rows = np.arange(k)
         first = self.squares.argmin(axis=1)
         apart = np.abs((np.arange(columns)[None] - first[:, None] + columns // 2) % columns - columns // 2)
         second = np.where(apart < OPPOSITE, np.inf, self.squares).argmin(axis=1)
-        both, found = np.concatenate([rows, rows]), np.concatenate([first, second])
-        low, rotation = self._bottom(both, found)
-        return self.places[both], np.sqrt(np.maximum(low, 0.0)) / self.usual, rotation
+        both = np.concatenate([rows, rows])
+        return self.places[both], self._bottom(both, np.concatenate([first, second]))
 
-    def _bottom(self, rows: IntArray, found: IntArray) -> tuple[FloatArray, FloatArray]:
+    def _bottom(self, rows: IntArray, found: IntArray) -> Found:
         columns = self.squares.shape[1]
         below, here, above = (self.squares[rows, (found + step) % columns] for step in (-1, 0, 1))
         offset, low = parabola(below, here, above)
-        return low, wrap_all((found + offset) * (TAU / columns))
+        likeness = np.sqrt(np.maximum(low, 0.0)) / self.usual.difference
+        return Found(likeness, wrap_all((found + offset) * (TAU / columns)), self.points[self.which[rows, found]])
 
 
-def look(view: Signature, recognition: Recognition, wanted: IntArray, count: int, first: int) -> Seen:
-    """Compare a view with the wanted places (k,) and with the `count` most like it, all among the first ones."""
+def usual(view: Surroundings, recognition: Recognition, first: int) -> Usual:
+    """Return how unlike the view is to places of the map, told by a sample of the first ones."""
     sample = np.arange(0, first, max(1, first // SAMPLE))
-    likely, _ = recognition.index.search(view, count, first) if count else (np.zeros(0, np.int64), None)
-    places = np.unique(np.concatenate([sample, likely, wanted[wanted < first]]))
-    squares = recognition.index.curves(view, places)
-    lowest = np.sqrt(np.maximum(squares[np.searchsorted(places, sample)].min(axis=1), 0.0))
-    usual = max(float(np.median(lowest)), 1e-6)
-    return Seen(places, squares, usual, lowest / usual)
+    lowest = np.sqrt(np.maximum(_least(view, recognition, sample)[0].min(axis=1), 0.0))
+    difference = max(float(np.median(lowest)), 1e-6)
+    return Usual(difference, lowest / difference)
+
+
+def look(
+    view: Surroundings, recognition: Recognition, wanted: IntArray, count: int, first: int, usually: Usual
+) -> Seen:
+    """Compare a view with the wanted places (k,) and with the `count` most like it, all among the first ones."""
+    likely, _ = recognition.index.search(view.views[0], count, first) if count else (np.zeros(0, np.int64), None)
+    places = np.unique(np.concatenate([likely, wanted[wanted < first]]))
+    squares, which = _least(view, recognition, places)
+    return Seen(places, squares, which, view.points, usually)
+
+
+def _least(view: Surroundings, recognition: Recognition, places: IntArray) -> tuple[FloatArray, IntArray]:
+    """Return the least squared differences (k, C) of all points around, and which point it was (k, C)."""
+    squares = recognition.index.curves(view.views[0], places)
+    which = np.zeros(squares.shape, np.int64)
+    for point, one in enumerate(view.views[1:], start=1):
+        other = recognition.index.curves(one, places)
+        less = other < squares
+        squares[less], which[less] = other[less], point
+    return squares, which

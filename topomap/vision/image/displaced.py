@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import cv2
 import numpy as np
 
@@ -24,20 +22,43 @@ def displaced(panorama: Panorama, x: float, y: float) -> Panorama:
     Each column moves and grows by its distance: measured, else seen by the ground line, else the same all round.
     """
     rig = panorama.rig
-    bearings = np.arange(rig.width) * (TAU / rig.width)
-    far = np.maximum(_distances(panorama), 2.0 * math.hypot(x, y))
-    east, north = far * np.cos(bearings) - x, far * np.sin(bearings) - y
-    moved, nearer = wrap_all(np.arctan2(north, east) - bearings), np.hypot(east, north) / far
-    origin = bearings
-    for _ in range(ROUNDS):  # the bearing that moves to each column's
-        origin = bearings - np.interp(origin, bearings, moved, period=TAU)
+    (origin,), (growth,) = flow(distances_or_middling(panorama), 0.0, np.array([[x, y]]))
     below = np.arange(rig.height)[:, np.newaxis] - rig.horizon_row
-    rows = np.asarray(rig.horizon_row + below * np.interp(origin, bearings, nearer, period=TAU), np.float32)
+    rows = np.asarray(rig.horizon_row + below * growth, np.float32)
     columns = np.asarray((origin % TAU) * rig.width / TAU, np.float32)
     return Panorama(_sampled(panorama.image, columns, rows), None, rig)
 
 
-def _distances(panorama: Panorama) -> FloatArray:
+def flow(far: FloatArray, first: float, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return, for the views from points (D, 2) [m] ahead and to the left, where their columns come from: bearings
+    (D, n) [rad] in the view at hand, and what to multiply rows below the horizon by (D, n) to find theirs.
+
+    far (n,) [m]: how far away what each column shows stands; first [rad]: the first column's bearing, the others follow
+    evenly all round.
+    """
+    bearings = first + np.arange(len(far)) * (TAU / len(far))
+    reach = np.maximum(far, 2.0 * np.hypot(points[:, :1], points[:, 1:]))
+    east, north = reach * np.cos(bearings) - points[:, :1], reach * np.sin(bearings) - points[:, 1:]
+    moved, nearer = wrap_all(np.arctan2(north, east) - bearings), np.hypot(east, north) / reach
+    origin = np.broadcast_to(bearings, moved.shape)
+    for _ in range(ROUNDS):  # the bearing that moves to each column's
+        origin = bearings - _between(moved, origin - first)
+    return origin, _between(nearer, origin - first)
+
+
+def _between(values: FloatArray, angles: FloatArray) -> FloatArray:
+    """Return values (D, n), given evenly all round from angle 0, at angles (D, n) [rad], linearly."""
+    count = values.shape[1]
+    place = angles * (count / TAU)
+    low = np.floor(place)
+    share = place - low
+    left = low.astype(np.int64) % count
+    here, there = np.take_along_axis(values, left, axis=1), np.take_along_axis(values, (left + 1) % count, axis=1)
+    return here + share * (there - here)
+
+
+def distances_or_middling(panorama: Panorama) -> FloatArray:
+    """Return how far away what each column shows stands (W,) [m]: measured, else seen, else the same all round."""
     sources: tuple[Source, ...] = ("ground",) if panorama.ranges is None else ("range", "ground")
     for source in sources:
         found = distances(panorama, source)
