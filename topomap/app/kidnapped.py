@@ -29,6 +29,8 @@ WRONG, WRONG_TURN = 1.0, math.radians(20.0)
 """[m], [rad] What a belief misses by, one of them at least, to be wrong: as a closure to be false."""
 SOON = 10.0
 """[m] Travel within which a kidnapped robot shall know its node."""
+DOUBTFUL = 0.1
+"""Probability of being lost from which on the robot has noticed."""
 ASIDE = 0.3
 """[m] How far beside the taught route the robot is set down at most."""
 BINS = (0.0, 0.05, 0.2, 0.4, 0.6, 0.8, 0.95, 1.0)
@@ -52,7 +54,8 @@ class Lesson:
 
 @dataclass(frozen=True, eq=False)
 class Search:
-    """One start: found: the robot said it knows; right: it was where it said; way [m] driven until then.
+    """One start: found: the robot said it knows, having been lost or driven 10 m; right: it was where it said; way [m]:
+    driven until then.
 
     lost (K,), wrong (K,): what it said at each step, and whether its likeliest pose was wrong.
     """
@@ -135,7 +138,9 @@ def search(lesson: Lesson, start: Pose, farthest: float = 35.0) -> Search:
         way, before = way + math.hypot(here[0] - before[0], here[1] - before[1]), here
         said.append(record.where.lost)
         wrong.append(_is_wrong(record.where, here, lesson.truth, navigator.mapper.map))
-        known = record.where.lost < FOUND and len(said) > 1
+        # who was never lost may not have noticed: where it then is, it has to know by SOON
+        noticed = max(said) >= DOUBTFUL or way >= SOON
+        known = record.where.lost < FOUND and noticed and len(said) > 1
         if known or record.travel.phase in (Phase.ARRIVED, Phase.FAILED):
             return Search(known, known and not wrong[-1], way, np.array(said), np.array(wrong))
         robot.act(command)

@@ -126,6 +126,11 @@ class Mapper:
         return self._watch.doubted
 
     @property
+    def handled(self) -> bool:
+        """Whether the view turned in this step as no wheel did: somebody turned the robot, or more."""
+        return self._watch.turn is not None
+
+    @property
     def located(self) -> int:
         """How many snapshots, of the first ones, lie where the map has them: those before a gap that is open."""
         return len(self.recognition) if self._gap is None else self._before_gap

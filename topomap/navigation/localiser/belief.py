@@ -36,8 +36,6 @@ SEARCHED, ASIDE = 160, 8
 """Places, of those most alike, where the robot may be as well: while it is lost, and while it isn't."""
 ESCAPE = 1e-3
 """Probability to be carried away unnoticed within a stretch: once in 800 m."""
-AT_BIRTH = 1.5
-"""What the first view can say [nats]: it is taken up to half a metre from the place, where others look more like it."""
 BORN = np.diag(np.square([0.35, 0.35, math.radians(8.0)]))
 """Covariance of a place found by its view: it is told from its neighbour half a metre off, and to two columns."""
 BY_VIEW = np.diag(np.square([0.5, 0.5, math.radians(8.0)]))
@@ -91,6 +89,10 @@ class Belief:
         self._since_look += way
         self._since_weighed += way
 
+    def shake(self, doubt: float) -> None:
+        """Let the robot be anywhere with a probability of `doubt`, and look around at once."""
+        self.mixture, self._fresh, self._since_look = self.mixture.shaken(doubt), True, math.inf
+
     def see(self, panorama: Panorama, mapper: Mapper, first: int) -> None:
         """Hold the hypotheses against the view, where it can have changed since the last look."""
         if self._since_look < LOOK or not first:
@@ -105,9 +107,9 @@ class Belief:
             self._usual = usual(view, mapper.recognition, first)
         seen = look(view, mapper.recognition, nearby.places[nearby.near], count, first, self._usual)
         self._compare(seen, nearby, mapper.map.poses[nodes])
-        if due:
+        if due or fresh:
             self._since_weighed = 0.0
-            self._weigh(seen)
+            self._weigh(seen, 1 if fresh else LOOKS)
         if due or fresh:
             self._add(seen, mapper.map.poses[nodes])
             self.mixture = self.mixture.pruned()
@@ -160,10 +162,10 @@ class Belief:
         measured = np.column_stack([there, heading])
         self.mixture = self.mixture.measured(alike, measured, np.broadcast_to(BY_VIEW, (len(alike), 3, 3)))
 
-    def _weigh(self, seen: Seen) -> None:
-        """Weigh each hypothesis by how alike its places looked over the last stretch."""
+    def _weigh(self, seen: Seen, fewest: int) -> None:
+        """Weigh each hypothesis by how alike its places looked over the last stretch, in so many looks at least."""
         squares, looks = self.mixture.seen.T
-        told = looks >= LOOKS
+        told = looks >= fewest
         ratios = np.zeros(len(squares))
         if told.any():
             mean = squares[told] / looks[told]
@@ -171,15 +173,14 @@ class Belief:
             behind = np.minimum((mean - least) / (APART + APART_SHARE * least), HARDEST)
             ratios[told] = log_ratio(np.sqrt([least]), seen.usual.others) - behind
         self.mixture = replace(self.mixture.weighed(ratios, ESCAPE), seen=np.zeros((len(self.mixture), 2)))
-        self.stretches += 1
+        self.stretches += fewest == LOOKS
 
     def _add(self, seen: Seen, places: FloatArray) -> None:
         """Add the places that look like the view: each, any way round, was as likely as any other before."""
         where, found = seen.minima()
         poses = _poses(places[where], found)
         fresh = ~self.mixture.near(poses).any(axis=1) & (found.likeness < 1.0)
-        ratio = np.clip(log_ratio(found.likeness, seen.usual.others), -AT_BIRTH, AT_BIRTH)
-        weights = self.mixture.elsewhere - math.log(2 * len(places)) + ratio
+        weights = self.mixture.elsewhere - math.log(2 * len(places)) + log_ratio(found.likeness, seen.usual.others)
         self.mixture = self.mixture.joined_by(poses[fresh], BORN, weights[fresh]).normalised()
 
     def _fix(self, panorama: Panorama, mapper: Mapper, nodes: IntArray) -> None:

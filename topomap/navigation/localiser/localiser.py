@@ -23,6 +23,9 @@ DOUBT = 1e-3
 SHAKEN = 0.8
 """Probability that a break, as it is noticed, left the robot where it doesn't know: somebody may but have hidden the
 view, or the wheels have stood still while the belief followed by what was seen."""
+HANDLED = 0.4
+"""Probability that who turned the robot on the spot also took it to a place that looks the same: of ten robots set down
+anywhere in `office-loop`, one stood before another door of the same look."""
 SLIP = (0.03, 0.02, 0.05)
 """Share of the way forward, of it to the side, and of the turn, that wheels misread on top of what they report."""
 REST = (0.003, 0.003, 0.005)
@@ -36,8 +39,10 @@ STRETCHES = 3
 ASTRAY, ASTRAY_TURN = 1.0, math.radians(20.0)
 """[m], [rad] Belief and track this far apart tell two places: what a false closure is."""
 DOUBTFUL = 0.1
-"""Probability of being lost up to which belief and track are taken to agree, and the least that is told of a robot that
-was lost before enough stretches have spoken: after two, neighbours a metre off in `hall` were told apart wrongly."""
+"""Probability of being lost up to which belief and track are taken to agree."""
+UNPROVEN = 0.06
+"""The least that is told of a robot that was lost before enough stretches have spoken: just too much for a journey to
+go on. After two, neighbours a metre off in `hall` were told apart wrongly."""
 TOLD = 5
 """Rivals that are told."""
 
@@ -64,6 +69,8 @@ class Localiser:
             self._belief = None
         elif self._belief is None:
             self._belief = self._begun(mapper, change, driven)
+        if self._belief is not None and mapper.handled and not change.broken:
+            self._belief.shake(HANDLED)
         tracked = Where(change.pose, _nearest(change.pose, mapper, mapper.recognition.nodes()), change.difference, 0.0)
         if self._belief is None:
             return tracked
@@ -71,7 +78,7 @@ class Localiser:
         where = self._believe(self._belief, panorama, mapper, watching)
         event = change.broken or self._mend(where, mapper, driven)
         if not watching:
-            return replace(where, lost=max(where.lost, DOUBTFUL if self._lost else 0.0), event=event)
+            return replace(where, lost=max(where.lost, UNPROVEN if self._lost else 0.0), event=event)
         return replace(tracked, lost=self._doubt(self._belief, mapper), rivals=where.rivals, event=event)
 
     def _shaken(self, mapper: Mapper) -> Belief:
