@@ -71,7 +71,7 @@ def test_set_down_anywhere_it_finds_its_place(lesson: Lesson) -> None:
 
 
 def test_a_belief_that_begins_anywhere_is_lost_at_first(lesson: Lesson) -> None:
-    records = journey(lesson, {}, 60, Localiser(ANYWHERE))
+    records = journey(lesson, {}, 80, Localiser(ANYWHERE))
     assert records[0].where.lost > 0.5
     found = next(record for record in records if record.where.lost < 0.05)
     assert found.where.node is not None

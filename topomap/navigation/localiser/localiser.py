@@ -23,7 +23,7 @@ DOUBT = 1e-3
 SHAKEN = 0.8
 """Probability that a break, as it is noticed, left the robot where it doesn't know: somebody may but have hidden the
 view, or the wheels have stood still while the belief followed by what was seen."""
-HANDLED = 0.4
+HANDLED = 0.2
 """Probability that who turned the robot on the spot also took it to a place that looks the same: of ten robots set down
 anywhere in `office-loop`, one stood before another door of the same look."""
 SLIP = (0.03, 0.02, 0.05)
