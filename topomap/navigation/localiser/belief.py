@@ -31,7 +31,7 @@ and twice that allows for errors that last over stretches."""
 HARDEST = 5.0
 """What one stretch can say against a hypothesis [nats]: the errors of neighbouring views hang together."""
 FIRST = 3.0
-"""What the first view can say [nats]: 0.3 m aside in `office-loop`, a wrong place looks more like it in 2 of 5 tries."""
+"""What the first view can say [nats]: 0.3 m aside in `office-loop`, a wrong place looks more like it in 2 of 5."""
 REACH = 1.0
 """[m] A place farther than this from a hypothesis isn't expected to be seen from it."""
 SEARCHED, ASIDE = 160, 8
@@ -94,6 +94,7 @@ class Belief:
     def shake(self, doubt: float) -> None:
         """Let the robot be anywhere with a probability of `doubt`, and look around at once."""
         self.mixture, self._fresh, self._since_look = self.mixture.shaken(doubt), True, math.inf
+        self.stretches = 0
 
     def see(self, panorama: Panorama, mapper: Mapper, first: int) -> None:
         """Hold the hypotheses against the view, where it can have changed since the last look."""

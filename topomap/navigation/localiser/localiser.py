@@ -23,7 +23,7 @@ DOUBT = 1e-3
 SHAKEN = 0.8
 """Probability that a break, as it is noticed, left the robot where it doesn't know: somebody may but have hidden the
 view, or the wheels have stood still while the belief followed by what was seen."""
-HANDLED = 0.2
+HANDLED = 0.5
 """Probability that who turned the robot on the spot also took it to a place that looks the same: of ten robots set down
 anywhere in `office-loop`, one stood before another door of the same look."""
 SLIP = (0.03, 0.02, 0.05)
@@ -59,6 +59,7 @@ class Localiser:
         self._start = start
         self._belief: Belief | None = None
         self._lost = start.unknown  # from a break on, until the belief is sure again
+        self._unproven = False  # the same, and after it was turned by no wheel
         self._right: int | None = None  # the last node of the track that the belief agreed with
 
     def update(self, panorama: Panorama, mapper: Mapper, change: MapChange, driven: bool) -> Where:
@@ -71,14 +72,16 @@ class Localiser:
             self._belief = self._begun(mapper, change, driven)
         if self._belief is not None and mapper.handled and not change.broken:
             self._belief.shake(HANDLED)
+            self._unproven = True
         tracked = Where(change.pose, _nearest(change.pose, mapper, mapper.recognition.nodes()), change.difference, 0.0)
         if self._belief is None:
             return tracked
         watching = driven and not self._lost
         where = self._believe(self._belief, panorama, mapper, watching)
         event = change.broken or self._mend(where, mapper, driven)
+        self._unproven = self._lost or (self._unproven and self._belief.stretches < STRETCHES)
         if not watching:
-            return replace(where, lost=max(where.lost, UNPROVEN if self._lost else 0.0), event=event)
+            return replace(where, lost=max(where.lost, UNPROVEN if self._unproven else 0.0), event=event)
         return replace(tracked, lost=self._doubt(self._belief, mapper), rivals=where.rivals, event=event)
 
     def _shaken(self, mapper: Mapper) -> Belief:

@@ -12,8 +12,8 @@ from topomap.mapping.places.recognition import Recognition
 from topomap.vision.image.compare import parabola
 from topomap.vision.image.surroundings import Surroundings
 
-SAMPLE = 64
-"""Places by which it is told how unlike places are: their median then errs by a twentieth of its spread."""
+SAMPLE = 40
+"""Places by which it is told how unlike places are: their median then errs by a fifth of its spread."""
 WINDOW = 2
 """Columns to either side of the expected rotation that are looked at: 8 degrees of 90 columns, an odometry's error."""
 OPPOSITE = 15

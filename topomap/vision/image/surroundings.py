@@ -22,10 +22,14 @@ a route and as snapshots half a metre apart need; a view from half a step off di
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Surroundings:
-    """Points (D, 2) [m], ahead and to the left of the robot, and the view predicted from each, looking the same way."""
+    """Points (D, 2) [m], ahead and to the left of the robot, and the view predicted from each, looking the same way.
+
+    spectra (D, R, C//2 + 1) complex64: all the views' in one.
+    """
 
     points: FloatArray
     views: tuple[Signature, ...]
+    spectra: Complex64Array
 
 
 def surroundings(panorama: Panorama) -> Surroundings:
@@ -37,14 +41,9 @@ def _surroundings(panorama: Panorama) -> Surroundings:
     axis = STEP * np.arange(-REACHED, REACHED + 1)
     points = np.stack(np.meshgrid(axis, axis, indexing="ij"), axis=-1).reshape(-1, 2)
     points = points[np.argsort(np.hypot(points[:, 0], points[:, 1]), kind="stable")]
-    stack = _shrunk_again(_displaced(panorama, points), len(points))
-    pixels = [normalised(one) for one in stack]
-    return Surroundings(points, tuple(Signature(one, _spectrum(one)) for one in pixels))
-
-
-def _spectrum(pixels: Float32Array) -> Complex64Array:
-    spectrum: Complex64Array = np.fft.rfft(pixels, axis=1).astype(np.complex64)
-    return spectrum
+    pixels = np.stack([normalised(one) for one in _shrunk_again(_displaced(panorama, points), len(points))])
+    spectra: Complex64Array = np.fft.rfft(pixels, axis=2).astype(np.complex64)
+    return Surroundings(points, tuple(Signature(*one) for one in zip(pixels, spectra, strict=True)), spectra)
 
 
 def _displaced(panorama: Panorama, points: FloatArray) -> Float32Array:
