@@ -65,12 +65,15 @@ def test_it_drives_on_where_there_is_room_and_turns_back_at_an_end() -> None:
     assert 0.2 < command.forward <= 0.3
 
 
-def test_a_contact_stops_it_and_turns_it_away() -> None:
+def test_after_a_contact_it_backs_off_and_goes_another_way_though_it_still_touches() -> None:
     manoeuvre, mapper = Relocalise(Pilot(PilotSettings())), a_mapper()
-    touched = lost_step(manoeuvre, mapper, 1.0, contact=True)
-    assert touched is not None
-    assert touched.forward == 0.0
-    assert touched.turn > 0.5
+    ahead = lost_step(manoeuvre, mapper, 1.0)
+    assert ahead is not None
+    assert abs(ahead.turn) < 0.2
+    commands = [lost_step(manoeuvre, mapper, 1.0, contact=True) for _ in range(8)]
+    assert all(command is not None and command.forward < 0.0 for command in commands[:6])
+    assert commands[7] is not None
+    assert abs(commands[7].turn) > 0.5  # away from where it was touched
 
 
 def test_it_gives_up_after_its_way_and_stops() -> None:

@@ -35,6 +35,11 @@ class Pilot:
         self._settings = settings
         self._directions = wrap_all(np.arange(directions) * TAU / directions)
 
+    @property
+    def body_radius(self) -> float:
+        """Radius that must stay free [m]."""
+        return self._settings.body_radius
+
     def steer(
         self,
         bearing: float,

@@ -11,6 +11,7 @@ from topomap.core.geometry import TAU, wrap, wrap_all
 from topomap.core.panorama import Panorama
 from topomap.core.records import Command, Goal, Phase, Travel, Where
 from topomap.mapping.mapper import Mapper
+from topomap.navigation.manoeuvres.back_off import BackOff
 from topomap.navigation.pilot import Pilot
 from topomap.vision.image.ground_line import ground_ranges
 
@@ -33,14 +34,13 @@ BESIDE, ASIDE = 2.0, 0.3
 DIRECTIONS = 36
 APERTURE = math.radians(15.0)
 """[rad] To either side of a direction that must be free as well: half a metre at two."""
-BACK_TURN = 2.4
-"""[rad] Turn after a contact that no range foretold: away from what was touched, and not back to it."""
 
 
 class Relocalise:
     """Takes the wheels while the robot is lost on a journey.
 
-    It never drives blind: it steers by ranges, without them by where the floor ends, and a contact turns it away.
+    It never drives blind: it steers by ranges, without them by where the floor ends, backs off from what it touches and
+    remembers where that stands.
 
     A panorama shows all directions at once, so turning on the spot would show nothing new: it drives at once.
     """
@@ -49,14 +49,15 @@ class Relocalise:
         self._pilot = pilot
         self._began: float | None = None
         self._steps = 0
-        self._turning = 0.0
+        self._back_off = BackOff(pilot.body_radius)
+        self._forward = False
 
     def step(
         self, panorama: Panorama, contact: bool, where: Where, goal: Goal, mapper: Mapper
     ) -> tuple[Command, Travel] | None:
         """Return the command and what was done, or None where the robot knows where it is."""
         if goal.phase is not Phase.TRAVEL or where.lost <= (LOST if self._began is None else FOUND):
-            self._began, self._steps, self._turning = None, 0, 0.0
+            self._began, self._steps, self._forward = None, 0, False
             return None
         track = mapper.track
         if self._began is None:
@@ -66,15 +67,18 @@ class Relocalise:
         if way > WAY or self._steps > STEPS:
             return Command(), Travel(Phase.FAILED, note=f"lost: gave up after looking around for {way:.0f} m")
         travel = Travel(Phase.TRAVEL, note=f"lost ({where.lost:.2f}): looks around")
-        return self._drive(panorama, contact, where, mapper), travel
+        command = self._drive(panorama, contact, where, mapper)
+        self._forward = command.forward > 0
+        return command, travel
 
     def _drive(self, panorama: Panorama, contact: bool, where: Where, mapper: Mapper) -> Command:
-        if contact:
-            self._turning = BACK_TURN
-        if self._turning > 0.1:
-            self._turning -= abs(mapper.track.turn)
-            return Command(0.0, self._pilot.steer(math.pi / 2, None).turn)
-        ranges = panorama.ranges if panorama.ranges is not None else ground_ranges(panorama)
+        track = mapper.track
+        back = self._back_off.step(contact, track.raw, track.travel, self._forward)
+        if back is not None:
+            return back
+        seen = panorama.ranges if panorama.ranges is not None else ground_ranges(panorama)
+        ranges = self._back_off.ranges(seen, track.raw)
+        assert ranges is not None
         bearing = _along_the_map(where, mapper) if 1.0 - where.lost > LED else None
         return self._pilot.steer(free_bearing(ranges) if bearing is None else bearing, ranges, SPEED)
 

@@ -40,7 +40,7 @@ def flow(far: FloatArray, first: float, points: FloatArray) -> tuple[FloatArray,
     reach = np.maximum(far, 2.0 * np.hypot(points[:, :1], points[:, 1:]))
     east, north = reach * np.cos(bearings) - points[:, :1], reach * np.sin(bearings) - points[:, 1:]
     moved, nearer = wrap_all(np.arctan2(north, east) - bearings), np.hypot(east, north) / reach
-    origin = np.broadcast_to(bearings, moved.shape)
+    origin: FloatArray = np.broadcast_to(bearings, moved.shape)
     for _ in range(ROUNDS):  # the bearing that moves to each column's
         origin = bearings - _between(moved, origin - first)
     return origin, _between(nearer, origin - first)
