@@ -40,7 +40,7 @@ def flow(far: FloatArray, first: float, points: FloatArray) -> tuple[FloatArray,
     reach = np.maximum(far, 2.0 * np.hypot(points[:, :1], points[:, 1:]))
     east, north = reach * np.cos(bearings) - points[:, :1], reach * np.sin(bearings) - points[:, 1:]
     moved, nearer = wrap_all(np.arctan2(north, east) - bearings), np.hypot(east, north) / reach
-    origin: FloatArray = np.broadcast_to(bearings, moved.shape)
+    origin = np.broadcast_to(bearings, moved.shape)
     for _ in range(ROUNDS):  # the bearing that moves to each column's
         origin = bearings - _between(moved, origin - first)
     return origin, _between(nearer, origin - first)
@@ -54,7 +54,8 @@ def _between(values: FloatArray, angles: FloatArray) -> FloatArray:
     share = place - low
     left = low.astype(np.int64) % count
     here, there = np.take_along_axis(values, left, axis=1), np.take_along_axis(values, (left + 1) % count, axis=1)
-    return here + share * (there - here)
+    result: FloatArray = here + share * (there - here)
+    return result
 
 
 def distances_or_middling(panorama: Panorama) -> FloatArray:
