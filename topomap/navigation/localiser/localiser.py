@@ -79,7 +79,8 @@ class Localiser:
         watching = driven and not self._lost
         where = self._believe(self._belief, panorama, mapper, watching)
         event = change.broken or self._mend(where, mapper, driven)
-        self._unproven = self._lost or (self._unproven and self._belief.stretches < STRETCHES)
+        proven = self._belief.stretches >= STRETCHES and where.lost < SURE
+        self._unproven = self._lost or (self._unproven and not proven)
         if not watching:
             return replace(where, lost=max(where.lost, UNPROVEN if self._unproven else 0.0), event=event)
         return replace(tracked, lost=self._doubt(self._belief, mapper), rivals=where.rivals, event=event)
