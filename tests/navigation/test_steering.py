@@ -64,3 +64,17 @@ def test_a_methods_own_error_counts_however_confident_it_is() -> None:
 def test_bearings_err_less_the_surer_they_are() -> None:
     sigmas = [view_sigma(0.1 * k) for k in range(11)]
     assert sigmas == sorted(sigmas, reverse=True)
+
+
+def test_a_milestone_at_the_robots_feet_turns_nobody_round() -> None:
+    ahead, milestone = Pose2(0.7, 0.0), Pose2(-0.08, 0.02)  # just passed
+    for bearing in (math.pi, 2.0, -2.0, 0.5):
+        heading = heading_for(Pose2(), milestone, ahead, HomeVector(bearing, None, 0.5), 0.0)
+        assert abs(heading) < 0.25
+
+
+def test_a_milestone_as_far_as_the_point_ahead_turns_the_course_as_it_says() -> None:
+    ahead = Pose2(0.7, 0.0)
+    heading = heading_for(Pose2(), ahead, ahead, HomeVector(0.3, None, 1.0), 0.0)
+    share = share_of_view(HomeVector(0.3, None, 1.0), 0.0, 0.7, 0.0)
+    assert heading == pytest.approx(share * 0.3, abs=0.02)

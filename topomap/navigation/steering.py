@@ -56,11 +56,16 @@ def heading_for(
 ) -> float:
     """Return the bearing [rad] to steer.
 
-    The course's point `ahead` is headed for, turned by what the view says of the milestone against what the pose says
-    of it, weighed by their errors: both right, the course is followed; nothing seen, the pose leads; lost, the view.
+    The course's point `ahead` is headed for, shifted by what the view says of the milestone against what the pose says
+    of it, weighed by their errors: both right, the course is followed; nothing seen, the pose leads; lost, the view. A
+    milestone at the robot's feet shifts it by a hand's breadth, whatever way its bearing turns.
     """
-    bearing = pose.bearing_to(milestone)
-    share = share_of_view(home, bearing, pose.distance(milestone), lost, least_sigma)
+    bearing, distance = pose.bearing_to(milestone), pose.distance(milestone)
+    share = share_of_view(home, bearing, distance, lost, least_sigma)
     if share >= 1.0:
         return home.bearing
-    return wrap(pose.bearing_to(ahead) + share * wrap(home.bearing - bearing))
+    way, on = pose.distance(ahead), pose.bearing_to(ahead)
+    shift = share * min(distance, way)
+    x = way * math.cos(on) + shift * (math.cos(home.bearing) - math.cos(bearing))
+    y = way * math.sin(on) + shift * (math.sin(home.bearing) - math.sin(bearing))
+    return math.atan2(y, x)
