@@ -101,6 +101,13 @@ def test_a_wrong_heading_is_found_by_the_full_turn(off: float) -> None:
     assert look.rotation == pytest.approx(0.3, abs=0.02)
     told = sight.Sight(0, 0, views.view(0.0, 0.0, 0.0), 0.4).look(views.view(0.1, 0.0, 0.3), homing)
     assert not told.turned
+    sure = sight.Sight(0, 0, views.view(0.0, 0.0, 0.0), math.pi)
+    sure.expect(0.4)  # as a belief has it that is sure; a view that is alike turned round doesn't change that
+    assert sure.rotation == 0.4
+    sure.expect(0.5)
+    assert sure.rotation == 0.4  # the compass tells that better
+    narrow = sight.Sight(0, 0, views.view(0.0, 0.0, 0.0), math.pi)
+    assert not narrow.look(views.view(0.1, 0.0, 0.3), homing, wide=False).turned
     assert told.rotation == pytest.approx(0.3, abs=0.02)
 
 

@@ -34,6 +34,10 @@ SPACING = 0.5
 """[m] The next milestone lies at least so far ahead: bearings are as good from 0.6 to 1 m as nearer."""
 REACH = 1.0
 """[m] How far along the course the belief may be off a milestone that its view says is reached."""
+UNSURE = 0.05
+"""Probability of being lost from which on a view may contradict the believed heading: in `office-loop` the view turned
+round looked more alike than the right one, 0.7 m off, in each of the ways home looked at, and the robot turned to and
+fro in half of its steps, while the belief's heading was right to half a degree."""
 POLICY_REST = 12
 """Looks without a new minimum after which a policy's leg has come to its end: a round of trial moves is up to nine."""
 TRIALS = 12
@@ -64,7 +68,10 @@ class Homeward:
         raw, speed = now.mapper.track.raw, self._speed_for(j, now)
         if self._policy is not None and self._policy.moving(raw):
             return self._policy.drive(now.senses.panorama, raw, speed), travel
-        look = sight.look(now.senses.panorama, self._homing)
+        unsure = now.where.lost >= UNSURE
+        if not unsure:
+            sight.expect(wrap(now.where.pose.heading - now.mapper.map.pose(sight.node).heading))
+        look = sight.look(now.senses.panorama, self._homing, unsure)
         travel = replace(travel, home=look.home, difference=look.difference)
         if j.last_leg:
             j.sought += j.course.left < DOCK
@@ -142,7 +149,7 @@ class Homeward:
         pose, milestone = now.where.pose, now.mapper.map.pose(sight.node)
         heading = wrap(milestone.heading + look.rotation)
         agrees = abs(wrap(heading - pose.heading)) < NEAR_TURN
-        if look.difference < (SEEN if agrees else KNOWN):
+        if look.difference < (SEEN if agrees else KNOWN) and (agrees or now.where.lost >= UNSURE):
             # where the view is known the compass is right to some degrees, and the belief's heading may be anything;
             # from farther off a corridor looks much the same both ways
             pose = Pose2(pose.x, pose.y, heading)

@@ -61,15 +61,20 @@ class Sight:
         """Whether the milestone's view was met."""
         return self.least < SEEN
 
-    def look(self, panorama: Panorama, homing: AlignedHoming) -> Look:
-        """Return what is seen of the milestone now."""
+    def expect(self, rotation: float) -> None:
+        """Take a rotation [rad] that is believed where the tracked one is another: a corridor looks alike both ways."""
+        if abs(wrap(self.rotation - rotation)) > NEAR_TURN:
+            self.rotation = rotation
+
+    def look(self, panorama: Panorama, homing: AlignedHoming, wide: bool = True) -> Look:
+        """Return what is seen of the milestone now; wide: any rotation is looked at, not those near the tracked one."""
         self.looks += 1
         found = homing.align(panorama, self.view, self.rotation)
         difference = aligned_difference(panorama, self.view, found.rotation)
         turned = False
-        wide = self._elsewhere(panorama, found.rotation)
-        if wide is not None:
-            other = homing.align(panorama, self.view, wide)
+        elsewhere = self._elsewhere(panorama, found.rotation) if wide else None
+        if elsewhere is not None:
+            other = homing.align(panorama, self.view, elsewhere)
             less = aligned_difference(panorama, self.view, other.rotation)
             if less < min(KNOWN, difference):
                 found, difference, turned = other, less, True
