@@ -13,6 +13,7 @@ from pydantic import BaseModel, Field, ValidationError
 from logs.config import LogConfig
 from sim2d.config import SimConfig
 from topomap.core.errors import ConfigError
+from topomap.core.files import TEXT, regular
 from topomap.mapping.mapper import MapperSettings
 from topomap.navigation.manoeuvres.active_check import ActiveSettings
 from topomap.navigation.manoeuvres.hall_course import HallSettings
@@ -75,7 +76,7 @@ def parse_config(values: dict[str, Any], source: str, overrides: Iterable[str] =
 def read_toml(path: Path) -> dict[str, Any]:
     """Return the tables of a TOML file. Raises ConfigError with one line that names it."""
     try:
-        return tomllib.loads(path.read_text(encoding="utf8"))
+        return tomllib.loads(regular(path, TEXT).read_text(encoding="utf8"))
     except OSError as error:
         raise ConfigError(f"{path}: cannot be read: {error.strerror or error}") from error
     except RecursionError as error:

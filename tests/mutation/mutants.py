@@ -1,45 +1,15 @@
-"""Small mistakes made on purpose in the source, one at a time: each should be noticed by a test.
-
-`python -m tests.mutation logs topomap/recording --sample 60` works on a copy of the repository. mutmut and cosmic-ray
-run the whole suite once per mutant or need a database; here each folder has the tests that answer for it.
-"""
+"""Small mistakes made on purpose in a source file, one at a time."""
 
 from __future__ import annotations
 
-import argparse
 import ast
 import copy
-import json
-import os
 import random
-import shutil
-import subprocess
-import sys
-import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-ROOT = Path(__file__).parents[1]
-TESTS: dict[str, tuple[str, ...]] = {
-    "logs": tuple(
-        f"tests/{name}.py"
-        for name in (
-            "log_files/test_codec",
-            "log_files/test_recorder",
-            "log_files/test_replay",
-            "recording/test_translate",
-            "log_files/test_verify",
-            "log_files/test_crash",
-        )
-    ),
-    "topomap/recording": ("tests/recording", "tests/cli/test_closures_log.py"),
-    "topomap/app/export.py": ("tests/app/test_export.py",),
-    "topomap/mapping": ("tests/mapping", "tests/test_one_engine.py"),
-    "topomap/navigation": ("tests/navigation", "tests/app/test_faults.py"),
-}
-"""Which tests answer for which folder."""
-SECONDS = 240
+ROOT = Path(__file__).parents[2]
 SWAPS: dict[type, type] = {
     ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult, ast.FloorDiv: ast.Mult,
     ast.Lt: ast.LtE, ast.LtE: ast.Lt, ast.Gt: ast.GtE, ast.GtE: ast.Gt, ast.Eq: ast.NotEq, ast.NotEq: ast.Eq,
@@ -49,13 +19,17 @@ SWAPS: dict[type, type] = {
 
 @dataclass(frozen=True)
 class Mutant:
-    """One mistake: the file, the line, what it was and what it is, and the whole changed source."""
+    """One mistake: the file, the line, what it was and what it is, and the whole changed source.
+
+    function: line where the outermost function or method begins that holds it (its first decorator); 0: none does.
+    """
 
     file: str
     line: int
     was: str
     now: str
     source: str
+    function: int
 
     def __str__(self) -> str:
         return f"{self.file}:{self.line}: {self.was} -> {self.now}"
@@ -73,9 +47,20 @@ def mutants(file: str) -> Iterator[Mutant]:
             before = copy.copy(node.__dict__)
             was = _short(node)
             now = change(node)
-            yield Mutant(file, getattr(node, "lineno", 0), was, now, ast.unparse(ast.fix_missing_locations(tree)))
+            line = getattr(node, "lineno", 0)
+            text = ast.unparse(ast.fix_missing_locations(tree))
+            yield Mutant(file, line, was, now, text, _function(tree, line))
             node.__dict__.clear()
             node.__dict__.update(before)
+
+
+def _function(tree: ast.Module, line: int) -> int:
+    """Return the first line, as code objects count it, of the function or method around a line; 0: there is none."""
+    inside = [body for body in tree.body if isinstance(body, ast.ClassDef)]
+    for node in [*tree.body, *(one for body in inside for one in body.body)]:
+        if isinstance(node, ast.FunctionDef) and node.body[0].lineno <= line <= (node.end_lineno or 0):
+            return min([node.lineno, *(one.lineno for one in node.decorator_list)])
+    return 0
 
 
 def _hidden(tree: ast.AST) -> set[int]:
@@ -167,53 +152,3 @@ def chosen(folders: list[str], sample: int, seed: int) -> list[Mutant]:
 
 def _sources(place: Path) -> list[Path]:
     return [place] if place.is_file() else sorted(place.rglob("*.py"))
-
-
-def survives(mutant: Mutant, copied: Path) -> bool:
-    """Return whether the tests that answer for a mutant's folder pass with it."""
-    target = copied / mutant.file
-    original = target.read_bytes()
-    tests = next(tests for folder, tests in TESTS.items() if mutant.file.startswith(folder))
-    try:
-        target.write_text(mutant.source, encoding="utf8")
-        words = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *tests]
-        environment = os.environ | {"PYTHONPATH": str(copied), "PYTHONDONTWRITEBYTECODE": "1"}
-        done = subprocess.run(
-            words,
-            cwd=copied,
-            env=environment,
-            capture_output=True,
-            timeout=SECONDS,
-            check=False,
-            start_new_session=True,
-        )
-    except subprocess.TimeoutExpired:
-        return False
-    finally:
-        target.write_bytes(original)
-    return done.returncode == 0
-
-
-def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("folders", nargs="*", default=list(TESTS))
-    parser.add_argument("--sample", type=int, default=60, help="so many mutants, 0: every one")
-    parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--out", type=Path, default=Path("mutation.json"))
-    asked = parser.parse_args()
-    every, alive = chosen(asked.folders or list(TESTS), asked.sample, asked.seed), []
-    with tempfile.TemporaryDirectory() as folder:
-        copied = Path(folder) / "copy"
-        shutil.copytree(ROOT, copied, ignore=shutil.ignore_patterns(".git", ".venv*", "runs", ".mypy_cache"))
-        for k, mutant in enumerate(every, 1):
-            if survives(mutant, copied):
-                alive.append(mutant)
-                print(f"{k}/{len(every)} lives: {mutant}", flush=True)
-    killed = len(every) - len(alive)
-    print(f"{killed} of {len(every)} mutants killed ({100 * killed / max(len(every), 1):.0f} %)")
-    asked.out.write_text(json.dumps({"mutants": len(every), "alive": [str(one) for one in alive]}, indent=1) + "\n")
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())
