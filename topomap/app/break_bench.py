@@ -74,7 +74,7 @@ def draw(kind: Kind, rng: np.random.Generator, seconds: float, speed: float) -> 
         return at, size, f"sim.odometry_faults=[{{{when}, lasts_s = {lasts:.2f}, {fault}}}]"
     size, turn = float(rng.uniform(2.0, 20.0)), float(rng.uniform(-math.pi, math.pi))
     fault = f"jump = {sign * size:.2f}, jump_turn = {turn:.2f}"
-    return at, size, f"sim.odometry_faults=[{{{when}, lasts_s = 0.2, {fault}}}]"
+    return at, size, f"sim.odometry_faults=[{{{when}, lasts_s = 0.5, {fault}}}]"
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
-from topomap.core.arrays import Float32Array
+from topomap.core.arrays import Float32Array, FloatArray
 from topomap.core.geometry import Pose2, wrap
 from topomap.core.panorama import Panorama
 from topomap.vision.image.compare import rotation_difference, signature
-from topomap.vision.matching.scan_match import ScanMatch, match_scans
+from topomap.vision.matching.scan_match import match_scans
 
 STEPS = 5
 """Steps from one look to the next: half a metre, over which ranges overlap and the odometer's error is small."""
@@ -19,8 +20,11 @@ WAY_OFF, WAY_SHARE, TURN_OFF = 0.15, 0.3, math.radians(8.0)
 """[m], share of the way, [rad] by which odometry and ranges differ, one of the first two or the third, before it isn't
 believed: undisturbed, with an uncorrected scale 5 % off, they differ by 0.06 m of 0.5 and by 2.5 degrees at most in
 five worlds, people included."""
-EXACT = 0.05
-"""[m] Greatest error of a position that is believed: along bare corridors ranges don't tell it."""
+STOOD = 4
+"""Steps, of those from one look to the next, in which the wheels count nothing though the view moves: people who pass
+hide it for two or three."""
+EXACT, EXACT_TURN = 0.05, math.radians(1.0)
+"""[m], [rad] Greatest errors of what is believed: along bare corridors ranges don't tell the way."""
 
 
 class ScanWatch:
@@ -38,15 +42,16 @@ class ScanWatch:
         self._restart(None)
 
     def _restart(self, panorama: Panorama | None) -> None:
-        self._view, self._steps, self._read, self._believed = panorama, 0, Pose2(), Pose2()
+        self._view, self._steps, self._stood, self._read, self._believed = panorama, 0, 0, Pose2(), Pose2()
 
     def begin(self, panorama: Panorama) -> None:
         """Begin anew with a view: what was before it isn't compared with."""
         self.untrue, self.said, self._slack = False, "", Pose2()
         self._restart(panorama)
 
-    def step(self, panorama: Panorama, read: Pose2, believed: Pose2, usual: float) -> Pose2 | None:
-        """Take a step as the odometry has it and as it is believed; usual: way of a step [m].
+    def step(self, panorama: Panorama, read: Pose2, believed: Pose2, usual: float, stood: bool) -> Pose2 | None:
+        """Take a step as the odometry has it and as it is believed; usual: way of a step [m]; stood: the wheels count
+        nothing, though the view moves.
 
         Returns what this step is to be believed as, so that all since the last look are where the ranges show them;
         None: as it was.
@@ -54,6 +59,7 @@ class ScanWatch:
         self.said = ""
         before = self._believed
         self._steps, self._read, self._believed = self._steps + 1, self._read @ read, before @ believed
+        self._stood += stood
         if self._view is None or self._view.ranges is None:
             self._restart(panorama)
             return None
@@ -65,36 +71,43 @@ class ScanWatch:
         self._restart(panorama)
         return None if seen is None else before.to(seen)
 
-    def _found(self, before: Panorama, now: Panorama, usual: float) -> Pose2 | None:
+    def _found(self, before: Panorama, now: Panorama, usual: float) -> Shown | None:
         """Return where the ranges show the robot, seen from the last look, by the odometry or else by another guess."""
         assert before.ranges is not None
         assert now.ranges is not None
         own = _match(before.ranges, now.ranges, self._read)
-        if own is not None and not self._off(own[0]):
-            return own[0]
+        fits = own is not None and not self._off(own)
+        if own is not None and fits and len(own.told) == 2:
+            return own
         others = [_match(before.ranges, now.ranges, guess) for guess in self._guesses(before, now, usual)]
-        every = [one for one in (own, *others) if one is not None]
-        return max(every, key=lambda one: one[1].share)[0] if every else None
+        best = max((one for one in others if one is not None), key=lambda one: (len(one.told), one.share), default=None)
+        return own if fits and (best is None or len(best.told) < 2) else best
 
     def _guesses(self, before: Panorama, now: Panorama, usual: float) -> Iterator[Pose2]:
         turn = rotation_difference(signature(now), signature(before))[1]
         way = STEPS * usual
         yield Pose2(way * math.cos(turn / 2), way * math.sin(turn / 2), turn)
-        yield Pose2(0.0, 0.0, turn)
+        if not self._stood:
+            yield Pose2(0.0, 0.0, turn)
         if self.untrue:
             yield self._believed
 
-    def _off(self, seen: Pose2) -> bool:
-        away = math.hypot(seen.x - self._read.x, seen.y - self._read.y)
+    def _off(self, shown: Shown) -> bool:
+        """Return whether the odometry isn't what ranges show, in the directions that they tell."""
+        if len(shown.told) < 2 and self._stood >= (1 if self.untrue else STOOD):
+            return True  # along a corridor ranges can't tell wheels that count nothing, but the view can
+        seen = shown.pose
+        away = np.abs(shown.told @ (seen.array()[:2] - self._read.array()[:2])).max(initial=0.0)
         much = max(WAY_OFF, WAY_SHARE * math.hypot(seen.x, seen.y))
-        return away > much or abs(wrap(seen.heading - self._read.heading)) > TURN_OFF
+        return bool(away > much) or abs(wrap(seen.heading - self._read.heading)) > TURN_OFF
 
-    def _judge(self, seen: Pose2 | None) -> Pose2 | None:
+    def _judge(self, shown: Shown | None) -> Pose2 | None:
         """Return where the robot is since the last look where that isn't what is believed."""
-        if seen is None:
+        if shown is None:
             self._slack = Pose2()
             return None
-        before, self.untrue = self.untrue, self._off(seen)
+        before, self.untrue = self.untrue, self._off(shown)
+        seen = shown.pose
         slack, self._slack = self._slack, self._believed.to(seen)
         if self.untrue and not before:
             self.said = (
@@ -106,12 +119,23 @@ class ScanWatch:
         return slack @ seen  # it failed before it was noticed
 
 
-def _match(before: Float32Array, now: Float32Array, guess: Pose2) -> tuple[Pose2, ScanMatch] | None:
-    """Return a pose that all directions of the ranges tell, or None."""
+@dataclass(frozen=True, slots=True, eq=False)
+class Shown:
+    """A pose by ranges; told (K, 2): unit vectors of the directions that they tell; share of rays with a partner."""
+
+    pose: Pose2
+    told: FloatArray
+    share: float
+
+
+def _match(before: Float32Array, now: Float32Array, guess: Pose2) -> Shown | None:
+    """Return a pose whose turn the ranges tell, and its way in one direction at least, or None."""
     match = match_scans(before, now, guess.array())
-    if match is None or math.sqrt(float(np.linalg.eigvalsh(match.covariance[:2, :2])[-1])) > EXACT:
+    if match is None or match.covariance[2, 2] > EXACT_TURN**2:
         return None
-    return Pose2.of(match.relative), match
+    values, directions = np.linalg.eigh(match.covariance[:2, :2])
+    told = directions.T[np.sqrt(np.abs(values)) <= EXACT]
+    return Shown(Pose2.of(match.relative), told, match.share) if len(told) else None
 
 
 def _words(pose: Pose2) -> str:

@@ -77,7 +77,7 @@ class OdometryWatch:
         """Whether wheels and views contradict one another now."""
         # where ranges show the way, they have had their say first
         patience = PATIENCE + STEPS if self._scans.sees else PATIENCE
-        return max(self._dead, self._spinning) >= patience
+        return not self._scans.untrue and max(self._dead, self._spinning) >= patience
 
     def judge(self, panorama: Panorama, motion: MotionReading, calibration: Calibration) -> str:
         """Return why the robot isn't where odometry has it, or "": it was carried away, or wheels failed until now."""
@@ -97,13 +97,14 @@ class OdometryWatch:
         if turned and self._jumped(_change(panorama, previous, turn), way):
             self._scans.begin(panorama)
             return f"carried away: the view changed by {change:.2f}, usual over a step is {self._usual:.2f}"
+        doubted = self.doubted
+        dead, spinning = self._contradicted(change, way, driven)
         self._restate(panorama, _corrected(motion, calibration), turn, leapt, turned)
-        if self._scans.untrue or leapt:
-            self._dead = self._spinning = 0
+        if self._scans.untrue or leapt or turned:
             return ""
-        if turned:
-            return ""
-        ended = self._contradicted(change, way, driven)
+        ended = ""
+        if doubted and not self.doubted:
+            ended = f"the odometry stood still for {dead} steps" if dead else f"the wheels spun for {spinning} steps"
         if way > self._still and not self._spinning and change < TIMES * max(self._usual, LEAST):
             self._changes.append(change)
             self._ways.append(way)
@@ -125,7 +126,7 @@ class OdometryWatch:
             self.said = f"turned by {math.degrees(turn):.0f} degrees, which the odometry doesn't count"
         self._leaping = leapt
         believed = read if self.seen is None else _stated(read, self.seen)
-        shown = self._scans.step(panorama, advance(Pose2(), read), advance(Pose2(), believed), usual)
+        shown = self._scans.step(panorama, advance(Pose2(), read), advance(Pose2(), believed), usual, self._dead > 0)
         self.said = self.said or self._scans.said
         if shown is not None:
             c, s = math.cos(shown.heading / 2), math.sin(shown.heading / 2)
@@ -155,21 +156,19 @@ class OdometryWatch:
         longer = max(1.0, way / float(np.median(self._ways)))
         return change > max(TIMES * self._usual * longer, LEAST, MORE * self._lately)
 
-    def _contradicted(self, change: float, way: float, driven: float) -> str:
-        """Count the steps in which the wheels stand and the view moves, or the other way round.
+    def _contradicted(self, change: float, way: float, driven: float) -> tuple[int, int]:
+        """Count steps in which wheels stand and the view moves, or the other way round; return the counts so far.
 
         driven: the way without turning [m], which leaves the view as it was but for its direction.
         """
-        before, dead, spinning = self.doubted, self._dead, self._spinning
+        dead, spinning = self._dead, self._spinning
         if len(self._changes) < FEWEST:
-            return ""
+            return 0, 0
         usual = self._usual
         slow = min(driven / float(np.median(self._ways)), 1.0)
         self._dead = self._dead + 1 if way <= self._still and MOVING * usual < change else 0
         self._spinning = self._spinning + 1 if driven > self._still and change < UNMOVED * usual * slow else 0
-        if before and not self.doubted:
-            return f"the odometry stood still for {dead} steps" if dead else f"the wheels spun for {spinning} steps"
-        return ""
+        return dead, spinning
 
 
 def _corrected(motion: MotionReading, calibration: Calibration) -> Motion:
