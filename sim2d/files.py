@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import errno
+import re
 import stat
+import tomllib
 from pathlib import Path
+from typing import Any
 
 MOST = 4 * 2**20
 """[bytes] Most that a world's file or a floor plan's YAML file has."""
@@ -18,3 +21,15 @@ def regular(path: Path, most: int = MOST) -> Path:
     if state.st_size > most:
         raise OSError(errno.EFBIG, f"{state.st_size} bytes are more than the {most} that are read", str(path))
     return path
+
+
+DEEP = re.compile(r"(?<![\w\"'-])(?:[\w\"'-]+\s*\.\s*){64}")
+"""A key of so many parts: reading one takes the square of their number."""
+
+
+def read_toml(path: Path) -> dict[str, Any]:
+    """Return the tables of a TOML file. Raises OSError, ValueError, RecursionError."""
+    text = regular(path).read_text(encoding="utf8")
+    if DEEP.search(text):
+        raise ValueError("a key has more than 64 parts")
+    return tomllib.loads(text)

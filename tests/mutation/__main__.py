@@ -58,7 +58,10 @@ def _tried(folder: str, every: list[Mutant], copied: Path) -> dict[str, object]:
     tests = next(tests for name, tests in TESTS.items() if folder.startswith(name))
     began = time.monotonic()
     known, named = reach(tests, copied), importers(copied, ("topomap", "logs"))
-    print(f"{folder}: {len(known.seconds)} tests pass in {time.monotonic() - began:.0f} s", flush=True)
+    seconds = time.monotonic() - began
+    print(f"{folder}: {len(known.seconds) - len(known.failed)} tests pass in {seconds:.0f} s", flush=True)
+    if known.failed:
+        print(f"left out, as they fail without any mutant: {', '.join(sorted(known.failed))}", flush=True)
     reasons = tomllib.loads(EQUIVALENT.read_text(encoding="utf8")) if EQUIVALENT.exists() else {}
     alive, excused = [], {}
     for k, mutant in enumerate(every, 1):

@@ -18,18 +18,25 @@ Place = tuple[str, int]
 
 @dataclass
 class Reach:
-    """Seconds that each test took, and the tests that ran each function: file and first line; line 0: any of a file."""
+    """Seconds that each test took, and the tests that ran each function: file and first line; line 0: any of a file.
+
+    failed: what fails without any mutant, as tests of deadlines do on a busy machine: these are left out.
+    """
 
     seconds: dict[str, float] = field(default_factory=dict)
-    tests: dict[Place, set[str]] = field(default_factory=lambda: defaultdict(set))
+    tests: dict[Place, set[str]] = field(default_factory=dict)
+    failed: set[str] = field(default_factory=set)
 
     def of(self, mutant: Mutant, importers: dict[str, set[str]]) -> list[str]:
         """Return the tests that a mutant may fail, the quickest first.
 
         A constant may be used wherever its module is imported; importers: the files that import each file.
         """
-        files = {mutant.file} if mutant.function else {mutant.file, *importers.get(mutant.file, ())}
-        found = {test for file in files for test in self.tests.get((file, mutant.function), ())}
+        found = self.tests.get((mutant.file, mutant.function), set()) if mutant.function else set()
+        if not found:  # compiled functions aren't seen either
+            files = {mutant.file, *importers.get(mutant.file, ())}
+            found = {test for file in files for test in self.tests.get((file, 0), ())}
+        found = found - self.failed
         return sorted(found, key=lambda test: (self.seconds.get(test, 0.0), test))
 
 
@@ -64,9 +71,11 @@ class ReachPlugin:
             sys.setprofile(None)
             for file, line in self._called | self._shared[item.nodeid.split("::")[0]]:
                 for place in ((file, line), (file, 0)):
-                    self.reach.tests[place].add(item.nodeid)
+                    self.reach.tests.setdefault(place, set()).add(item.nodeid)
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        if report.failed:
+            self.reach.failed.add(report.nodeid)
         self.reach.seconds[report.nodeid] = self.reach.seconds.get(report.nodeid, 0.0) + report.duration
 
     def _profile(self, frame: FrameType, event: str, _: object) -> None:

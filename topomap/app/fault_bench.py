@@ -27,7 +27,7 @@ from topomap.evaluation.summary import plain, write_whole
 
 When = Literal["teaching", "way home"]
 WHEN: tuple[When, ...] = get_args(When)
-AFTER = 15, 60
+AFTER = 15, 50
 """Steps of its phase after which a fault comes, drawn between these: so far all is well."""
 DEADLINE_S = 2.0
 

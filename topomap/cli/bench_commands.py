@@ -233,7 +233,7 @@ def kidnapped(
 @benches.command()
 def breaks(
     worlds: str = typer.Option(
-        "room-corridor,hall,examples/worlds/figure_eight.toml,examples/worlds/cubicles.toml",
+        "room-corridor,hall,examples/worlds/figure_eight.toml",
         help="Worlds by name or file, comma-separated.",
     ),
     seeds: str = typer.Option("0-9", help="Seeds of drives and breaks, e.g. 0-4."),
@@ -261,11 +261,11 @@ def breaks(
 
 @benches.command()
 def faults(
-    worlds: str = typer.Option("room-corridor", help="Worlds by name or file, comma-separated."),
+    worlds: str = typer.Option("hall", help="Worlds by name or file, comma-separated."),
     seeds: str = typer.Option("0", help="Seeds of drives and of the moment, e.g. 0-4."),
     kinds: str = typer.Option("all", "--faults", help="'all' or what fails, comma-separated, e.g. black image."),
     settings: list[str] = typer.Option(
-        ["sim.driver.laps=0.5"], "--set", metavar="KEY=VALUE", help="A setting of the run; may repeat."
+        ["sim.driver.laps=0.2"], "--set", metavar="KEY=VALUE", help="A setting of the run; may repeat."
     ),
     jobs: int | None = typer.Option(None, min=1, help="Processes [all cores]."),
     fresh: bool = typer.Option(False, "--fresh", help="Measure anew what is known already."),

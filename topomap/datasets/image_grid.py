@@ -16,7 +16,6 @@ import csv
 import hashlib
 import math
 import re
-import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -28,7 +27,7 @@ from pydantic import BaseModel, Field, ValidationError
 from topomap.core.arrays import FloatArray, Image
 from topomap.core.encoded import decode
 from topomap.core.errors import DataError
-from topomap.core.files import TEXT, regular
+from topomap.core.files import read_toml, regular
 from topomap.core.geometry import wrap
 from topomap.core.panorama import Panorama
 from topomap.core.recorded import RecordedRig
@@ -142,7 +141,7 @@ def _spec(folder: Path, spec_file: Path | None) -> GridSpec:
     if not path.exists() and spec_file is None:
         return _known(folder)
     try:
-        spec = GridSpec.model_validate(tomllib.loads(regular(path, TEXT).read_text(encoding="utf8")))
+        spec = GridSpec.model_validate(read_toml(path))
     except ValidationError as error:
         first = error.errors()[0]
         raise DataError(f"{path}: {'.'.join(map(str, first['loc']))}: {first['msg']}") from error
