@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import ast
-import copy
 import random
-from collections.abc import Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).parents[2]
 SWAPS: dict[type, type] = {
@@ -21,7 +21,7 @@ SWAPS: dict[type, type] = {
 class Mutant:
     """One mistake: the file, the line, what it was and what it is, and the whole changed source.
 
-    function: line where the outermost function or method begins that holds it (its first decorator); 0: none does.
+    function: name of the function or method that holds it, "" where none does.
     """
 
     file: str
@@ -29,38 +29,44 @@ class Mutant:
     was: str
     now: str
     source: str
-    function: int
+    function: str
+
+    @property
+    def name(self) -> str:
+        """What it is, in words that stay when lines move."""
+        return f"{self.function}: {self.was} -> {self.now}"
 
     def __str__(self) -> str:
-        return f"{self.file}:{self.line}: {self.was} -> {self.now}"
+        return f"{self.file}:{self.line}: {self.name}"
 
 
-def mutants(file: str) -> Iterator[Mutant]:
-    """Yield every mutant of a source file; docstrings, types and texts stay."""
+def count(file: str) -> int:
+    """Return how many mutants a source file has; docstrings, types and texts stay."""
+    return len(_sites(ast.parse((ROOT / file).read_text(encoding="utf8"))))
+
+
+def mutant(file: str, number: int) -> Mutant:
+    """Return one of the mutants of a source file."""
     tree = ast.parse((ROOT / file).read_text(encoding="utf8"))
-    places = [node for node in ast.walk(tree) if _changes(node)]
+    node, change = _sites(tree)[number]
+    line, was = getattr(node, "lineno", 0), _short(node)
+    now = change(node)
+    return Mutant(file, line, was, now, ast.unparse(ast.fix_missing_locations(tree)), _function(tree, line))
+
+
+def _sites(tree: ast.Module) -> list[tuple[ast.AST, Callable[[Any], str]]]:
+    """Return the nodes that can be changed, each with what changes it in place and says how."""
     hidden = _hidden(tree)
-    for node in places:
-        if id(node) in hidden:
-            continue
-        for change in _changes(node):
-            before = copy.copy(node.__dict__)
-            was = _short(node)
-            now = change(node)
-            line = getattr(node, "lineno", 0)
-            text = ast.unparse(ast.fix_missing_locations(tree))
-            yield Mutant(file, line, was, now, text, _function(tree, line))
-            node.__dict__.clear()
-            node.__dict__.update(before)
+    return [(node, change) for node in ast.walk(tree) if id(node) not in hidden for change in _changes(node)]
 
 
-def _function(tree: ast.Module, line: int) -> int:
-    """Return the first line, as code objects count it, of the function or method around a line; 0: there is none."""
+def _function(tree: ast.Module, line: int) -> str:
+    """Return the name of the function or method around a line, "" where there is none."""
     inside = [body for body in tree.body if isinstance(body, ast.ClassDef)]
     for node in [*tree.body, *(one for body in inside for one in body.body)]:
-        if isinstance(node, ast.FunctionDef) and node.body[0].lineno <= line <= (node.end_lineno or 0):
-            return min([node.lineno, *(one.lineno for one in node.decorator_list)])
-    return 0
+        if isinstance(node, ast.FunctionDef) and node.lineno <= line <= (node.end_lineno or 0):
+            return node.name
+    return ""
 
 
 def _hidden(tree: ast.AST) -> set[int]:
@@ -77,7 +83,7 @@ def _hidden(tree: ast.AST) -> set[int]:
     return {id(inner) for root in roots if root is not None for inner in ast.walk(root)}
 
 
-def _changes(node: ast.AST) -> list:
+def _changes(node: ast.AST) -> list[Callable[[Any], str]]:
     """Return what can be made of a node: functions that change it in place and say how."""
     if isinstance(node, ast.BinOp | ast.AugAssign) and type(node.op) in SWAPS:
         return [_swap_op]
@@ -146,8 +152,11 @@ def _short(node: ast.AST) -> str:
 def chosen(folders: list[str], sample: int, seed: int) -> list[Mutant]:
     """Return the mutants of some folders, or a sample of so many."""
     files = [str(path.relative_to(ROOT)) for one in folders for path in _sources(ROOT / one)]
-    every = [mutant for file in files if not file.endswith(("__init__.py", "_pb2.py")) for mutant in mutants(file)]
-    return every if not sample or sample >= len(every) else random.Random(seed).sample(every, sample)
+    files = [file for file in files if not file.endswith(("__init__.py", "_pb2.py"))]
+    every = [(file, number) for file in files for number in range(count(file))]
+    if sample and sample < len(every):
+        every = random.Random(seed).sample(every, sample)
+    return [mutant(*one) for one in every]
 
 
 def _sources(place: Path) -> list[Path]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib
 import os
-import pickle
 import signal
 import sys
 import time
@@ -12,8 +11,6 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-
-from mutation.reach import Reach, ReachPlugin
 
 HEAVY = ("numpy", "scipy.optimize", "scipy.spatial", "cv2", "gtsam", "numba", "networkx", "pydantic", "mcap.reader",
          "google.protobuf.message", "typer", "rich.table", "matplotlib.pyplot", "hypothesis", "pymunk")  # fmt: skip
@@ -30,22 +27,6 @@ def prepare(copied: Path) -> None:
     sys.dont_write_bytecode = True
     for name in HEAVY:
         importlib.import_module(name)
-
-
-def reach(tests: tuple[str, ...], copied: Path) -> Reach:
-    """Run tests once as they are and return what each of them runs. Raises RuntimeError where they can't be run."""
-    kept = copied / "reach.pickle"
-
-    def work() -> int:
-        plugin = ReachPlugin(copied)
-        pytest.main([*OPTIONS, *tests], plugins=[plugin])
-        kept.write_bytes(pickle.dumps(plugin.reach))
-        return 0
-
-    if (code := forked(work, 3600.0)) != 0:
-        raise RuntimeError(f"the tests {' '.join(tests)} can't be run (code {code})")
-    found: Reach = pickle.loads(kept.read_bytes())
-    return found
 
 
 def passes(tests: list[str], seconds: float) -> bool:
