@@ -106,7 +106,8 @@ class BreakTask:
             config = load_config(None, (*self.words, word))
         warm_up(config.stack)
         robot, navigator, watch = open_world(self.world, self.seed, config), build_navigator(config.stack), BreakWatch()
-        first = broke = None
+        first: int | None = None
+        broke: int | None = None
         while (reading := robot.sense()) is not None and reading.driven:
             first = reading.stamp_ns if first is None else first
             if broke is None and (reading.stamp_ns - first) * 1e-9 >= at:

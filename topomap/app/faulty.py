@@ -12,7 +12,7 @@ import numpy as np
 
 from sim2d.records import SimReading, SimTruth
 from sim2d.robot import SimRobot
-from topomap.core.arrays import Image
+from topomap.core.arrays import Float32Array, Image
 from topomap.core.records import Command
 from topomap.core.robot import Reading
 
@@ -116,7 +116,7 @@ def _smaller(reading: SimReading, _: np.random.Generator) -> SimReading:
     return _shows(np.ascontiguousarray(reading.image[::2, ::2]))(reading)
 
 
-def _ranges(change: Callable[[np.ndarray], np.ndarray]) -> Spoil:
+def _ranges(change: Callable[[Float32Array], Float32Array]) -> Spoil:
     return lambda reading, _: replace(reading, ranges=None if reading.ranges is None else change(reading.ranges))
 
 
@@ -137,7 +137,7 @@ SPOILT: dict[Fault, Spoil] = {
     "broken image file": lambda r, _: replace(
         r, image=np.zeros_like(r.image), encoded=r.encoded[: len(r.encoded) // 3]
     ),
-    "ranges 0": _ranges(np.zeros_like),
+    "ranges 0": _ranges(lambda r: np.zeros_like(r)),
     "ranges NaN": _ranges(lambda r: np.full_like(r, np.nan)),
     "ranges infinite": _ranges(lambda r: np.full_like(r, np.inf)),
     "ranges negative": _ranges(lambda r: -r),

@@ -99,12 +99,12 @@ class BreakWatch:
         begun = self.way.get(since, self._driven)
         kept = list({(d.candidate.query_ns, d.candidate.match): d for d in mapper.ledger.decisions}.values())
         on_map = [d for d in kept if d.verdict is Verdict.ACCEPTED]
-        off = self._off(since, mapper)
+        off, turned = self._off(since, mapper) or (None, None)
         return BreakDrive(
             world, seed, kind, size, words,
             self.way[behind[0]] - begun if behind else None, self.way[across[0]] - begun if across else None,
             len(self.said) - len(behind), len(on_map), sum(map(self._is_false, on_map)),
-            sum(map(self._is_false, self.accepted)), off is not None, *(off or (None, None)),
+            sum(map(self._is_false, self.accepted)), off is not None, off, turned,
             tuple(f"{self.way[stamp]:.1f} m: {text}" for stamp, text in self.said),
         )  # fmt: skip
 
