@@ -137,7 +137,7 @@ SPOILT: dict[Fault, Spoil] = {
     "broken image file": lambda r, _: replace(
         r, image=np.zeros_like(r.image), encoded=r.encoded[: len(r.encoded) // 3]
     ),
-    "ranges 0": _ranges(lambda r: np.zeros_like(r)),
+    "ranges 0": _ranges(np.zeros_like),
     "ranges NaN": _ranges(lambda r: np.full_like(r, np.nan)),
     "ranges infinite": _ranges(lambda r: np.full_like(r, np.inf)),
     "ranges negative": _ranges(lambda r: -r),
