@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from played import moved, taught
 
@@ -90,6 +91,18 @@ def test_what_ranges_and_views_show_stands_in_for_odometry_that_fails(
     assert [k for k, _ in mended] == [at]
     assert true.distance(pose) < 0.15
     assert abs(true.to(pose).heading) < 0.06
+
+
+def test_ranges_that_stay_the_same_say_nothing_against_the_odometry() -> None:
+    seen = taught(60)
+    frozen = [replace(r, ranges=seen[30].ranges) if k > 30 else r for k, r in enumerate(seen)]
+    assert watched(frozen)[:2] == ([], [])
+
+
+@pytest.mark.parametrize("value", [0.0, -1.0, float("inf"), float("nan")])
+def test_ranges_that_are_dead_say_nothing_against_the_odometry(value: float) -> None:
+    dead = [replace(r, ranges=np.full_like(r.ranges, value)) for r in taught(30)]
+    assert watched(dead)[:2] == ([], [])
 
 
 def test_a_robot_that_somebody_turned_is_told_by_the_view() -> None:

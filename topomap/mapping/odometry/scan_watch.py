@@ -42,16 +42,19 @@ class ScanWatch:
         self._restart(None)
 
     def _restart(self, panorama: Panorama | None) -> None:
-        self._view, self._steps, self._stood, self._read, self._believed = panorama, 0, 0, Pose2(), Pose2()
+        self._view, self._read, self._believed = panorama, Pose2(), Pose2()
+        self._steps, self._stood, self._moved = 0, 0, False
 
     def begin(self, panorama: Panorama) -> None:
         """Begin anew with a view: what was before it isn't compared with."""
         self.untrue, self.said, self._slack = False, "", Pose2()
         self._restart(panorama)
 
-    def step(self, panorama: Panorama, read: Pose2, believed: Pose2, usual: float, stood: bool) -> Pose2 | None:
+    def step(
+        self, panorama: Panorama, read: Pose2, believed: Pose2, usual: float, stood: bool, moves: bool
+    ) -> Pose2 | None:
         """Take a step as the odometry has it and as it is believed; usual: way of a step [m]; stood: the wheels count
-        nothing, though the view moves.
+        nothing, though the view moves; moves: the view does.
 
         Returns what this step is to be believed as, so that all since the last look are where the ranges show them;
         None: as it was.
@@ -60,6 +63,7 @@ class ScanWatch:
         before = self._believed
         self._steps, self._read, self._believed = self._steps + 1, self._read @ read, before @ believed
         self._stood += stood
+        self._moved = self._moved or moves
         if self._view is None or self._view.ranges is None:
             self._restart(panorama)
             return None
@@ -87,7 +91,7 @@ class ScanWatch:
         turn = rotation_difference(signature(now), signature(before))[1]
         way = STEPS * usual
         yield Pose2(way * math.cos(turn / 2), way * math.sin(turn / 2), turn)
-        if not self._stood:
+        if not self._moved:  # else it is the ranges that stand still
             yield Pose2(0.0, 0.0, turn)
         if self.untrue:
             yield self._believed
@@ -131,7 +135,7 @@ class Shown:
 def _match(before: Float32Array, now: Float32Array, guess: Pose2) -> Shown | None:
     """Return a pose whose turn the ranges tell, and its way in one direction at least, or None."""
     match = match_scans(before, now, guess.array())
-    if match is None or match.covariance[2, 2] > EXACT_TURN**2:
+    if match is None or not np.isfinite(match.covariance).all() or match.covariance[2, 2] > EXACT_TURN**2:
         return None
     values, directions = np.linalg.eigh(match.covariance[:2, :2])
     told = directions.T[np.sqrt(np.abs(values)) <= EXACT]

@@ -99,7 +99,8 @@ class OdometryWatch:
             return f"carried away: the view changed by {change:.2f}, usual over a step is {self._usual:.2f}"
         doubted = self.doubted
         dead, spinning = self._contradicted(change, way, driven)
-        self._restate(panorama, _corrected(motion, calibration), turn, leapt, turned)
+        moves = change > MOVING * self._usual > 0.0
+        self._restate(panorama, _corrected(motion, calibration), turn, leapt, turned, moves)
         if self._scans.untrue or leapt or turned:
             return ""
         ended = ""
@@ -112,7 +113,7 @@ class OdometryWatch:
             self._speeds.append(driven / motion.dt if motion.dt > 0 else 0.0)
         return ended
 
-    def _restate(self, panorama: Panorama, read: Motion, turn: float, leapt: bool, turned: bool) -> None:
+    def _restate(self, panorama: Panorama, read: Motion, turn: float, leapt: bool, turned: bool, moves: bool) -> None:
         """Take the step as what is seen has it, where the odometry's can't be true; turn: by the views [rad]."""
         usual = float(np.median(self._driven)) if self._driven else 0.0
         by_usual = leapt or self._scans.untrue
@@ -126,7 +127,9 @@ class OdometryWatch:
             self.said = f"turned by {math.degrees(turn):.0f} degrees, which the odometry doesn't count"
         self._leaping = leapt
         believed = read if self.seen is None else _stated(read, self.seen)
-        shown = self._scans.step(panorama, advance(Pose2(), read), advance(Pose2(), believed), usual, self._dead > 0)
+        shown = self._scans.step(
+            panorama, advance(Pose2(), read), advance(Pose2(), believed), usual, self._dead > 0, moves
+        )
         self.said = self.said or self._scans.said
         if shown is not None:
             c, s = math.cos(shown.heading / 2), math.sin(shown.heading / 2)
