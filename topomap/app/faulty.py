@@ -77,7 +77,7 @@ class FaultyRobot:
         if self._fault == "sense hangs":
             time.sleep(HANGS_S)
         if self._fault == "sense returns text":
-            return "no reading"  # type: ignore[return-value] what a driver does wrong
+            return "no reading"  # type: ignore[return-value]  # what a driver does wrong
         self._kept = self._kept or reading
         if self._fault == "frozen image":
             return replace(reading, image=self._kept.image, encoded=self._kept.encoded)

@@ -23,6 +23,8 @@ five worlds, people included."""
 STOOD = 4
 """Steps, of those from one look to the next, in which the wheels count nothing though the view moves: people who pass
 hide it for two or three."""
+FAR_ENOUGH = 0.3
+"""Share of the usual way that ranges must show where the view moves."""
 EXACT, EXACT_TURN = 0.05, math.radians(1.0)
 """[m], [rad] Greatest errors of what is believed: along bare corridors ranges don't tell the way."""
 
@@ -83,15 +85,17 @@ class ScanWatch:
         fits = own is not None and not self._off(own)
         if own is not None and fits and len(own.told) == 2:
             return own
-        others = [_match(before.ranges, now.ranges, guess) for guess in self._guesses(before, now, usual)]
-        best = max((one for one in others if one is not None), key=lambda one: (len(one.told), one.share), default=None)
+        least = FAR_ENOUGH * STEPS * usual if self._moved else 0.0  # else it is the ranges that stand still
+        every = [_match(before.ranges, now.ranges, guess) for guess in self._guesses(before, now, usual)]
+        others = [one for one in every if one is not None and math.hypot(one.pose.x, one.pose.y) >= least]
+        best = max(others, key=lambda one: (len(one.told), one.share), default=None)
         return own if fits and (best is None or len(best.told) < 2) else best
 
     def _guesses(self, before: Panorama, now: Panorama, usual: float) -> Iterator[Pose2]:
         turn = rotation_difference(signature(now), signature(before))[1]
         way = STEPS * usual
         yield Pose2(way * math.cos(turn / 2), way * math.sin(turn / 2), turn)
-        if not self._moved:  # else it is the ranges that stand still
+        if not self._moved:
             yield Pose2(0.0, 0.0, turn)
         if self.untrue:
             yield self._believed
