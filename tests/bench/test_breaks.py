@@ -115,6 +115,8 @@ def test_all_kinds_meet_all_worlds() -> None:
         (w, k) for w in ("room-corridor", "hall") for k in KINDS
     }
     assert len({task.key for task in tasks}) == 26
+    seven = plan(["room-corridor", "hall"] * 3 + ["room-corridor"], [0], 42, 0, [])
+    assert {(task.world, task.kind) for task in seven} == {(w, k) for w in ("room-corridor", "hall") for k in KINDS}
     with pytest.raises(DataError, match="name one world"):
         plan([], [0], 1, 0, [])
 

@@ -49,7 +49,7 @@ def draw(kind: Kind, rng: np.random.Generator, seconds: float, speed: float) -> 
     dead: they count nothing; one wheel: the other one counts nothing, which reads as a turn; reset: the odometer begins
     anew elsewhere, which reads as one leap.
     """
-    at = float(rng.uniform(*WHEN)) * seconds
+    at = round(float(rng.uniform(*WHEN)) * seconds, 2)  # as its setting says it
     sign = float(rng.choice([-1.0, 1.0]))
     when = f"at_s = {at:.2f}"
     if kind == "lifted":
@@ -142,7 +142,7 @@ def _turns(
 ) -> Iterator[BreakTask]:
     """Yield drives so that every world meets every kind: kinds go round, worlds go on by one more each round."""
     for number in itertools.count():
-        world = worlds[(number + number // len(kinds)) % len(worlds)]
+        world = worlds[(number % len(kinds) + number // len(kinds)) % len(worlds)]
         yield BreakTask(world, seeds[number // len(worlds) % len(seeds)], kinds[number % len(kinds)], number, words)
 
 
