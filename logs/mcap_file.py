@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import stat
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -175,6 +176,8 @@ def _content(file: IO[bytes], offset: int) -> bytes:
 
 def _open(path: Path) -> IO[bytes]:
     try:
+        if not stat.S_ISREG(path.stat().st_mode) and not path.is_dir():  # a pipe would be waited for without end
+            raise LogError(f"{path}: can't be read (it is no regular file)")
         file = path.open("rb")
         magic = file.read(len(MAGIC))
     except (OSError, ValueError) as error:

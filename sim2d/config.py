@@ -203,7 +203,9 @@ class OdometryFaultConfig(MomentConfig):
     turn_scale: float = Field(1.0, ge=-10, le=10, description="the turn read is multiplied by this")
     forward_noise: float = Field(0.0, ge=0, le=10, description="random way read in each step [m]")
     turn_noise: float = Field(0.0, ge=0, le=3.2, description="random turn read in each step [rad]")
+    turn_per_m: float = Field(0.0, ge=-100, le=100, description="turn read besides, for each metre driven [rad/m]")
     jump: float = Field(0.0, ge=-1e4, le=1e4, description="way read once, in its first step [m]")
+    jump_turn: float = Field(0.0, ge=-3.2, le=3.2, description="turn read once, in its first step [rad]")
 
 
 class SimConfig(Section):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import struct
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,10 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim2d.errors import WorldError
+from sim2d.files import regular
 from sim2d.shapes import Point
 
 Values = dict[str, str]
 KEYS = ("image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh", "mode")
+
+MOST_PIXELS = 2**25
+"""Cells of a floor plan at most: 280 m square at 5 cm."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,7 +74,7 @@ def sources(path: Path) -> tuple[Path, ...]:
 def _read(path: Path) -> Values:
     """Return the keys of a flat YAML file; lists may be written in brackets or as lines that begin with a dash."""
     try:
-        lines = path.read_text(encoding="utf8").splitlines()
+        lines = regular(path).read_text(encoding="utf8").splitlines()
     except (OSError, UnicodeDecodeError) as error:
         raise WorldError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from error
     values: Values = {}
@@ -123,10 +128,22 @@ def _image(path: Path, values: Values) -> NDArray[np.float64]:
     if not values.get("image"):
         raise WorldError(f"{path}: image = nothing: this must be given")
     file = path.parent / values["image"]
+    if file.is_file() and (pixels := _pixels(file)) > MOST_PIXELS:
+        raise WorldError(f"{path}: image = {values['image']!r}: {pixels} pixels, at most {MOST_PIXELS}")
     image = cv2.imread(str(file), cv2.IMREAD_GRAYSCALE) if file.is_file() else None
     if image is None:
         raise WorldError(f"{path}: image = {values['image']!r}: a PGM or PNG beside it that can be read")
     return np.asarray(image, dtype=np.float64)
+
+
+def _pixels(file: Path) -> int:
+    """Return how many pixels a picture unpacks to, by its PNG header or, of what isn't packed, by its size."""
+    with file.open("rb") as opened:
+        head = opened.read(24)
+    if head[:8] == b"\x89PNG\r\n\x1a\n" and len(head) == 24:
+        width, height = struct.unpack(">II", head[16:])
+        return int(width * height)
+    return file.stat().st_size
 
 
 def _largest(free: NDArray[np.uint8], path: Path) -> NDArray[np.uint8]:

@@ -31,10 +31,11 @@ class OdometryFaults:
 
     def _spoilt(self, reading: OdometerReading, fault: OdometryFaultConfig, number: int) -> OdometerReading:
         draws = self._noise.standard_normal(2)
-        jump = 0.0 if number in self._jumped else fault.jump
+        jump, turned = (0.0, 0.0) if number in self._jumped else (fault.jump, fault.jump_turn)
         self._jumped.add(number)
+        turned += fault.turn_per_m * reading.forward
         return replace(
             reading,
             forward=fault.forward_scale * reading.forward + fault.forward_noise * float(draws[0]) + jump,
-            turn=fault.turn_scale * reading.turn + fault.turn_noise * float(draws[1]),
+            turn=fault.turn_scale * reading.turn + fault.turn_noise * float(draws[1]) + turned,
         )

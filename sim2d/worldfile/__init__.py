@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
 
 from pydantic import ValidationError
 
 from sim2d.errors import WorldError
+from sim2d.files import read_toml
 from sim2d.shapes import Spec
 from sim2d.worldfile.checks import check_room, check_tables
 from sim2d.worldfile.errors import Fault, Raw, fault_of
@@ -92,7 +92,7 @@ def _merged(base: Raw, own: Raw) -> Raw:
 
 def _read(path: Path) -> Raw:
     try:
-        return tomllib.loads(path.read_text(encoding="utf8"))
+        return read_toml(path)
     except OSError as error:
         raise WorldError(f"{path}: cannot be read: {error.strerror or error}") from error
     except RecursionError as error:

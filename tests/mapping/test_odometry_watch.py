@@ -2,29 +2,52 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+import pytest
 from played import moved, taught
 
 from sim2d import worlds
 from sim2d.config import SimConfig
 from sim2d.records import SetDown, SimReading
 from sim2d.robot import SimRobot
+from topomap.core.geometry import Pose2
 from topomap.core.panorama import Panorama
-from topomap.core.records import Command
+from topomap.core.records import Command, Motion
+from topomap.mapping.odometry.gap import restated
+from topomap.mapping.odometry.increments import Calibration, advance
 from topomap.mapping.odometry.watch import OdometryWatch
 
+CALIBRATED = Calibration(rotation_scale=1.04, curvature=0.003, distance_scale=0.95)
 TWO_CORRIDORS = Path(__file__).parents[2] / "examples" / "worlds" / "two-corridors.toml"
 
 
+def watched(readings: list[SimReading]) -> tuple[list[tuple[int, str]], list[tuple[int, str]], Pose2]:
+    """What is said of broken odometry and of mended, by step, and where the robot is believed to be in the end."""
+    watch, pose, broken, mended = OdometryWatch(), Pose2(), [], []
+    for k, reading in enumerate(readings):
+        word = watch.judge(Panorama.from_reading(reading), reading.motion, CALIBRATED)
+        broken += [(k, word)] if word else []
+        mended += [(k, watch.said)] if watch.said else []
+        read = Motion(reading.motion.forward, 0.0, reading.motion.turn, reading.motion.covariance, reading.motion.dt)
+        motion = read if watch.seen is None else restated(read, watch.seen, CALIBRATED)
+        pose = advance(pose, CALIBRATED.correct(motion)) if k else pose
+    return broken, mended, pose
+
+
 def said(readings: list[SimReading]) -> list[tuple[int, str]]:
-    watch = OdometryWatch()
-    words = [(k, watch.judge(Panorama.from_reading(r), r.motion)) for k, r in enumerate(readings)]
-    return [(k, word) for k, word in words if word]
+    return watched(readings)[0]
+
+
+def blind(readings: list[SimReading]) -> list[SimReading]:
+    """The same of a robot without ranges."""
+    return [replace(r, ranges=None) for r in readings]
 
 
 def test_an_undisturbed_drive_is_believed() -> None:
-    assert said(taught(80)) == []
+    assert watched(taught(80))[:2] == ([], [])
 
 
 def test_being_carried_on_by_two_metres_is_noticed_at_once() -> None:
@@ -33,7 +56,7 @@ def test_being_carried_on_by_two_metres_is_noticed_at_once() -> None:
 
 
 def test_wheels_that_stood_while_the_view_moved_are_noticed_when_they_go_on() -> None:
-    seen = taught(60)
+    seen = blind(taught(60))
     dead = [moved(r, forward=0.0, turn=0.0) if 30 <= k < 45 else r for k, r in enumerate(seen)]
     found = said(dead)
     assert [k for k, _ in found] == [45]
@@ -41,11 +64,67 @@ def test_wheels_that_stood_while_the_view_moved_are_noticed_when_they_go_on() ->
 
 
 def test_wheels_that_spin_on_the_spot_are_noticed_when_they_grip() -> None:
-    seen = taught(60)
+    seen = blind(taught(60))
     stuck = seen[:30] + [moved(seen[29], forward=0.1, turn=0.0) for _ in range(8)] + seen[30:]
     found = said(stuck)
     assert [k for k, _ in found] == [38]
     assert "spun for 8 steps" in found[0][1]
+
+
+def changed(reading: SimReading, forward: float, turn: float, times: float) -> SimReading:
+    motion = reading.motion
+    return moved(reading, forward=times * motion.forward + forward, turn=times * motion.turn + turn)
+
+
+@pytest.mark.parametrize(
+    ("forward", "turn", "times", "steps", "at"),
+    [(0.0, 0.0, 3.0, 14, 30), (0.0, 0.0, 0.0, 14, 35), (0.0, 0.1, 0.5, 14, 35), (-5.0, 1.0, 1.0, 1, 30)],
+    ids=["wheels slip", "wheels count nothing", "one wheel counts nothing", "the odometer is reset"],
+)
+def test_what_ranges_and_views_show_stands_in_for_odometry_that_fails(
+    forward: float, turn: float, times: float, steps: int, at: int
+) -> None:
+    seen = taught(60)
+    wrong = [changed(r, forward, turn, times) if 30 <= k < 30 + steps else r for k, r in enumerate(seen)]
+    (_, _, true), (broken, mended, pose) = watched(seen), watched(wrong)
+    assert broken == []
+    assert [k for k, _ in mended] == [at]
+    assert true.distance(pose) < 0.15
+    assert abs(true.to(pose).heading) < 0.06
+
+
+def test_ranges_that_stay_the_same_say_nothing_against_the_odometry() -> None:
+    seen = taught(60)
+    frozen = [replace(r, ranges=seen[30].ranges) if k > 30 else r for k, r in enumerate(seen)]
+    assert watched(frozen)[:2] == ([], [])
+
+
+@pytest.mark.parametrize("value", [0.0, -1.0, float("inf"), float("nan")])
+def test_ranges_that_are_dead_say_nothing_against_the_odometry(value: float) -> None:
+    dead = [replace(r, ranges=np.full_like(r.ranges, value)) for r in taught(30)]
+    assert watched(dead)[:2] == ([], [])
+
+
+def test_a_robot_that_somebody_turned_is_told_by_the_view() -> None:
+    robot = SimRobot(worlds.load("room-corridor"), SimConfig(), 0)
+    watch, found = OdometryWatch(), []
+    for k in range(34):
+        reading = robot.sense()
+        assert reading is not None
+        assert watch.judge(Panorama.from_reading(reading), reading.motion, CALIBRATED) == ""
+        found += [(k, watch.said)] if watch.said else []
+        if k == 30:
+            here = robot.truth()
+            robot.put(here.x, here.y, here.heading + 1.5)
+    assert [k for k, _ in found] == [31]
+    assert "which the odometry doesn't count" in found[0][1]
+
+
+def test_readings_that_were_left_out_are_no_leap() -> None:
+    seen = taught(60)
+    way, turn = (sum(getattr(r.motion, name) for r in seen[30:37]) for name in ("forward", "turn"))
+    late = [*seen[:30], moved(seen[36], forward=way, turn=turn, dt=1.75), *seen[37:]]
+    assert watched(late)[:2] == ([], [])
 
 
 def test_turning_on_the_spot_and_driving_into_a_corridor_are_no_breaks() -> None:
@@ -55,5 +134,5 @@ def test_turning_on_the_spot_and_driving_into_a_corridor_are_no_breaks() -> None
     for k in range(95):
         reading = robot.sense()
         assert reading is not None
-        assert watch.judge(Panorama.from_reading(reading), reading.motion) == "", k
+        assert watch.judge(Panorama.from_reading(reading), reading.motion, CALIBRATED) == "", k
         robot.act(Command(0.0, 0.8) if 70 <= k < 86 else Command(0.4, 0.0))

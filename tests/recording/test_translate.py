@@ -322,6 +322,18 @@ def test_what_the_last_solve_withdrew_is_in_the_log(tmp_path: Path) -> None:
     assert verdicts == [Verdict.PENDING, Verdict.ACCEPTED, Verdict.WITHDRAWN]
 
 
+def test_what_is_wrong_with_the_odometry_is_a_warning_once(tmp_path: Path) -> None:
+    with Recorder(tmp_path / "run.mcap", run_header("room", SomeRig())) as recorder:
+        run, record = RunRecorder(recorder, _map), _record(0)
+        change, where = replace(record.change, broken="carried away"), replace(record.where, event="carried away")
+        run.observe(_reading(0), replace(record, change=change, where=where))
+        run.observe(_reading(1), replace(_record(1), change=replace(_change(1), mended="the odometry leapt")))
+    with LogReader(tmp_path / "run.mcap") as reader:
+        said = [decode_text(item.data) for item in reader.items(topics.TEXT)]
+    wrong = [(text.level, text.message) for text in said if text.name == "odometry"]
+    assert wrong == [(log.Level.WARNING, "carried away"), (log.Level.WARNING, "the odometry leapt")]
+
+
 def test_the_drawn_edges_are_the_maps_own(tmp_path: Path) -> None:
     """Node 3 was inserted between 0 and 1: 2 and 3 aren't joined, and what was withdrawn isn't drawn."""
     at = [Pose2(), Pose2(2.0), Pose2(3.0), Pose2(1.0)]

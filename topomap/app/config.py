@@ -12,6 +12,7 @@ from pydantic import BaseModel, Field, ValidationError
 
 from logs.config import LogConfig
 from sim2d.config import SimConfig
+from topomap.core import files
 from topomap.core.errors import ConfigError
 from topomap.mapping.mapper import MapperSettings
 from topomap.navigation.manoeuvres.active_check import ActiveSettings
@@ -21,6 +22,7 @@ from topomap.navigation.traveller import TravelSettings
 
 LARGEST = 1e9
 """No setting is larger: seconds of thirty years."""
+DEEPEST = 16  # parts of a key: settings have 4
 LONGEST = 70  # characters of a value that are shown
 
 
@@ -59,7 +61,14 @@ def parse_config(values: dict[str, Any], source: str, overrides: Iterable[str] =
 
     Raises ConfigError.
     """
-    words, changed = tuple(overrides), deepcopy(values)
+    try:
+        return _changed(values, source, tuple(overrides))
+    except RecursionError as error:
+        raise ConfigError(f"{source}: its values are nested too deeply") from error
+
+
+def _changed(values: dict[str, Any], source: str, words: tuple[str, ...]) -> RunConfig:
+    changed = deepcopy(values)
     for word in words:
         _set(changed, word)
     try:
@@ -68,14 +77,14 @@ def parse_config(values: dict[str, Any], source: str, overrides: Iterable[str] =
         _parse(values, source)  # alone, so that a mistake in the source is blamed on it
         for word in words:
             _set(values, word)
-            _parse(values, f"--set {word}")
+            _parse(values, f"--set {_cut(word)}")
         raise
 
 
 def read_toml(path: Path) -> dict[str, Any]:
     """Return the tables of a TOML file. Raises ConfigError with one line that names it."""
     try:
-        return tomllib.loads(path.read_text(encoding="utf8"))
+        return files.read_toml(path)
     except OSError as error:
         raise ConfigError(f"{path}: cannot be read: {error.strerror or error}") from error
     except RecursionError as error:
@@ -87,13 +96,17 @@ def read_toml(path: Path) -> dict[str, Any]:
 def _set(values: dict[str, Any], word: str) -> None:
     key, equals, text = word.partition("=")
     names = key.strip().split(".")
-    if not equals or not all(names):
-        raise ConfigError(f"--set {word}: expected section.key=value, as in stack.mapper.snapshots.threshold=0.7")
+    if not equals or not all(names) or len(names) > DEEPEST:
+        raise ConfigError(f"--set {_cut(word)}: expected section.key=value, as in stack.mapper.snapshots.threshold=0.7")
     for name in names[:-1]:
         values = values.setdefault(name, {})
         if not isinstance(values, dict):
-            raise ConfigError(f"--set {word}: {name} is a value, not a section")
+            raise ConfigError(f"--set {_cut(word)}: {name} is a value, not a section")
     values[names[-1]] = _value(text.strip())
+
+
+def _cut(word: str) -> str:
+    return word if len(word) <= LONGEST else f"{word[:LONGEST]}..."
 
 
 def _value(text: str) -> Any:

@@ -16,6 +16,7 @@ from topomap.bench.pool import Workers
 from topomap.core.arrays import FloatArray
 from topomap.core.encoded import decode
 from topomap.core.errors import DataError
+from topomap.core.files import regular
 from topomap.core.geometry import TAU, wrap
 from topomap.core.panorama import Panorama
 from topomap.core.rig import Rig
@@ -34,7 +35,7 @@ class PhotoRoute:
 
     def panorama(self, index: int) -> Panorama:
         """Return an image, forward in the centre column and clockwise as recorded. Raises DataError."""
-        image = decode(self.files[index].read_bytes())
+        image = decode(regular(self.files[index]).read_bytes())
         rig = Rig(image.shape[1], image.shape[0], (image.shape[0] - 1) / 2, image.shape[1] / TAU, 0.0)
         return Panorama(np.roll(image[:, ::-1], image.shape[1] // 2 + 1, axis=1), None, rig)
 
@@ -145,7 +146,7 @@ def _state(folder: Path) -> str:
 
 def _rows(path: Path, header: bool = False) -> list[tuple[int, list[str]]]:
     try:
-        lines = list(csv.reader(path.read_text(encoding="utf8").splitlines(), skipinitialspace=True))
+        lines = list(csv.reader(regular(path).read_text(encoding="utf8").splitlines(), skipinitialspace=True))
     except (OSError, UnicodeDecodeError) as error:
         raise DataError(f"{path}: can't be read: {error}") from error
     rows = [(number, row) for number, row in enumerate(lines, start=1) if row][1 if header else 0 :]

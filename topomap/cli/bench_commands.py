@@ -230,6 +230,61 @@ def kidnapped(
     _table("kidnapped", ("world", *HEADINGS), rows)
 
 
+@benches.command()
+def breaks(
+    worlds: str = typer.Option(
+        "room-corridor,hall,examples/worlds/figure_eight.toml",
+        help="Worlds by name or file, comma-separated.",
+    ),
+    seeds: str = typer.Option("0-9", help="Seeds of drives and breaks, e.g. 0-4."),
+    count: int = typer.Option(50, min=0, help="Drives with a break each."),
+    undisturbed: int = typer.Option(20, min=0, help="Drives without."),
+    settings: list[str] = typer.Option([], "--set", metavar="KEY=VALUE", help="A setting of the run; may repeat."),
+    jobs: int | None = typer.Option(None, min=1, help="Processes [all cores]."),
+    fresh: bool = typer.Option(False, "--fresh", help="Measure anew what is known already."),
+    out: Path = typer.Option(OUT / "breaks", help="Folder for the JSON."),
+) -> None:
+    """Break the odometry once a drive: is it noticed, is nothing false, is the map joined again; and false alarms."""
+    from topomap.app import break_bench as bench
+    from topomap.app.words import cores, parse_seeds
+    from topomap.bench.breaks import HEADINGS, rows
+    from topomap.bench.pool import Store, default_folder
+
+    names = [word.strip() for word in worlds.split(",") if word.strip()]
+    tasks = bench.plan(names, parse_seeds(seeds), count, undisturbed, settings)
+    store = Store(None if fresh else default_folder())
+    with progress("breaks", len(tasks)) as advance:
+        made = bench.run_breaks(tasks, store, jobs or cores(), advance)
+    _table("breaks", HEADINGS, rows(made))
+    console.print(str(bench.write(made, out)), soft_wrap=True)
+
+
+@benches.command()
+def faults(
+    worlds: str = typer.Option("hall", help="Worlds by name or file, comma-separated."),
+    seeds: str = typer.Option("0", help="Seeds of drives and of the moment, e.g. 0-4."),
+    kinds: str = typer.Option("all", "--faults", help="'all' or what fails, comma-separated, e.g. black image."),
+    settings: list[str] = typer.Option(
+        ["sim.driver.laps=0.2"], "--set", metavar="KEY=VALUE", help="A setting of the run; may repeat."
+    ),
+    jobs: int | None = typer.Option(None, min=1, help="Processes [all cores]."),
+    fresh: bool = typer.Option(False, "--fresh", help="Measure anew what is known already."),
+    out: Path = typer.Option(OUT / "faults", help="Folder for the JSON."),
+) -> None:
+    """Let every sensor and driver fail, while being taught and on the way home: wheels stopped, no false arrival."""
+    from topomap.app import fault_bench as bench
+    from topomap.app.words import cores, parse_seeds
+    from topomap.bench.pool import Store, default_folder
+
+    names = [word.strip() for word in worlds.split(",") if word.strip()]
+    tasks = bench.plan(names, parse_seeds(seeds), kinds, settings)
+    store = Store(None if fresh else default_folder())
+    with progress("faults", len(tasks)) as advance:
+        made = bench.run_faults(tasks, store, jobs or cores(), advance)
+    _table("faults", bench.HEADINGS, bench.rows(made))
+    console.print(str(bench.write(made, out)), soft_wrap=True)
+
+
 def _table(title: str, headings: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> None:
     shown = grid(title, headings)
     for row in rows:

@@ -29,12 +29,13 @@ def fit(
     """Find centre and radii of a mirror's ring in a raw picture; the nose is taken along the picture's +x."""
     from topomap.core.encoded import decode
     from topomap.core.errors import DataError
+    from topomap.core.files import regular
     from topomap.datasets.mirror_file import mirror_text
     from topomap.evaluation.summary import write_whole
     from topomap.vision.image.unwrap import fit_mirror
 
     try:
-        raw = decode(image.read_bytes())
+        raw = decode(regular(image).read_bytes())
     except (OSError, DataError) as error:
         raise DataError(f"{image}: can't be read as an image: {error}") from error
     text = mirror_text(fit_mirror(raw))

@@ -10,10 +10,20 @@ import numpy as np
 from topomap.core.arrays import Image
 from topomap.core.errors import DataError, ShapeError
 
+MOST_PIXELS = 2**26
+"""Pixels of a picture at most: 200 MB, ten times a large camera's; a small file may say that it has a thousand times
+that."""
+
 
 def decode(encoded: bytes) -> Image:
     """Return the RGB image (H, W, 3) of JPEG or PNG bytes. Raises DataError."""
-    image = cv2.imdecode(np.frombuffer(encoded, np.uint8), cv2.IMREAD_COLOR_RGB) if encoded else None
+    width, height = image_size(encoded) or (0, 0)
+    if width * height > MOST_PIXELS:
+        raise DataError(f"an image of {width} x {height} pixels is larger than the {MOST_PIXELS} that are read")
+    try:
+        image = cv2.imdecode(np.frombuffer(encoded, np.uint8), cv2.IMREAD_COLOR_RGB) if encoded else None
+    except cv2.error:  # of other kinds of files it refuses sizes itself
+        image = None
     if image is None:
         raise DataError(f"{len(encoded)} bytes that should be a JPEG or PNG panorama can't be decoded")
     return image.astype(np.uint8, copy=False)

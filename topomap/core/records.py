@@ -155,7 +155,8 @@ class MapChange:
 
     difference: image difference to the last snapshot (NaN before the first); place: best match among the nodes
     outside the recent past; solved: whether the back end moved the poses; broken: why the odometry of this step isn't
-    believed, in plain words ("" where it is).
+    believed, in plain words ("" where it is); mended: what was taken instead of a step's odometry, and why ("" for
+    nothing).
     """
 
     pose: Pose2
@@ -167,6 +168,7 @@ class MapChange:
     solved: bool = False
     calibration: CalibrationState | None = None
     broken: str = ""
+    mended: str = ""
 
 
 @dataclass(frozen=True, slots=True)

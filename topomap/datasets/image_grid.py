@@ -16,7 +16,6 @@ import csv
 import hashlib
 import math
 import re
-import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -28,6 +27,7 @@ from pydantic import BaseModel, Field, ValidationError
 from topomap.core.arrays import FloatArray, Image
 from topomap.core.encoded import decode
 from topomap.core.errors import DataError
+from topomap.core.files import read_toml, regular
 from topomap.core.geometry import wrap
 from topomap.core.panorama import Panorama
 from topomap.core.recorded import RecordedRig
@@ -100,7 +100,7 @@ class ImageGrid:
 
     def _panorama(self, shot: Shot) -> Panorama:
         try:
-            image = decode(shot.path.read_bytes())
+            image = decode(regular(shot.path).read_bytes())
         except (OSError, DataError) as error:
             raise DataError(f"{shot.path}: can't be read as an image: {error}") from error
         if self._unwrap is not None:
@@ -141,7 +141,7 @@ def _spec(folder: Path, spec_file: Path | None) -> GridSpec:
     if not path.exists() and spec_file is None:
         return _known(folder)
     try:
-        spec = GridSpec.model_validate(tomllib.loads(path.read_text(encoding="utf8")))
+        spec = GridSpec.model_validate(read_toml(path))
     except ValidationError as error:
         first = error.errors()[0]
         raise DataError(f"{path}: {'.'.join(map(str, first['loc']))}: {first['msg']}") from error
@@ -163,7 +163,7 @@ def _known(folder: Path) -> GridSpec:
 def _from_csv(folder: Path, spec: GridSpec) -> Iterator[Shot]:
     path = folder / str(spec.csv)
     try:
-        lines = path.read_text(encoding="utf8").splitlines()
+        lines = regular(path).read_text(encoding="utf8").splitlines()
     except (OSError, UnicodeDecodeError) as error:
         raise DataError(f"{path}: can't be read: {error}") from error
     reader = csv.DictReader(lines, skipinitialspace=True)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -12,6 +11,7 @@ from pydantic import BaseModel, Field, ValidationError
 
 from topomap.core.arrays import Image
 from topomap.core.errors import DataError
+from topomap.core.files import read_toml
 from topomap.core.geometry import TAU
 from topomap.core.panorama import Panorama
 from topomap.core.rig import Rig
@@ -53,7 +53,7 @@ class Unwrapper:
 def read_mirror(path: Path) -> MirrorFile:
     """Read a mirror's rig file. Raises DataError that names file and key."""
     try:
-        return MirrorFile.model_validate(tomllib.loads(path.read_text(encoding="utf8")))
+        return MirrorFile.model_validate(read_toml(path))
     except ValidationError as error:
         first = error.errors()[0]
         raise DataError(f"{path}: {'.'.join(map(str, first['loc']))}: {first['msg']}") from error

@@ -98,7 +98,7 @@ class Mapper:
 
         panorama: its view as `seen` returns it.
         """
-        broken = self._watch.judge(panorama, reading.motion) if self.map.nodes else ""
+        broken = self._watch.judge(panorama, reading.motion, self.map.calibration) if self.map.nodes else ""
         self._stamp_ns = reading.stamp_ns
         self._move(reading, bool(broken) or self._watch.doubted)
         if broken:
@@ -118,6 +118,7 @@ class Mapper:
             solved,
             self.optimisation.state if solved else None,
             broken,
+            self._watch.said,
         )
 
     @property
@@ -162,7 +163,7 @@ class Mapper:
             start = self._resumed
             self.track.begin_drive(reading.stamp_ns, start.pose, start.covariance, self.recognition.far)
         else:
-            self.track.advance(reading.stamp_ns, reading.motion, broken, self._watch.turn)
+            self.track.advance(reading.stamp_ns, reading.motion, broken, self._watch.seen)
 
     def _after(self, since: int | None) -> int:
         """Return the node behind `since` on the chain; where there is none, one that is made here."""

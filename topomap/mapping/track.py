@@ -10,7 +10,7 @@ from topomap.core.geometry import Pose2
 from topomap.core.records import Motion
 from topomap.core.robot import MotionReading
 from topomap.mapping.graph import Node, Snapshot, TopoMap
-from topomap.mapping.odometry.gap import GAP, turned
+from topomap.mapping.odometry.gap import GAP, Restated, restated
 from topomap.mapping.odometry.increments import Increments, advance, leading
 
 
@@ -36,11 +36,13 @@ class Track:
         """The last corrected turn [rad]."""
         return self.motion.turn
 
-    def advance(self, stamp_ns: int, reading: MotionReading, broken: bool = False, seen: float | None = None) -> Motion:
+    def advance(
+        self, stamp_ns: int, reading: MotionReading, broken: bool = False, seen: Restated | None = None
+    ) -> Motion:
         """Take one increment as read; return it corrected. The first reading's increment leads nowhere.
 
-        broken: the increment isn't believed; it goes into the map with the covariance of a gap. seen: the turn by the
-        views [rad], where the one that was read isn't believed.
+        broken: the increment isn't believed; it goes into the map with the covariance of a gap. seen: the step as it
+        was seen, where the one that was read isn't believed.
 
         Raises DataError for a stamp that isn't later than the one before and for an increment that isn't numbers.
         """
@@ -50,7 +52,7 @@ class Track:
         covariance = GAP if broken else np.asarray(reading.covariance, np.float64)
         motion = read = Motion(*way, covariance, float(reading.dt))
         if seen is not None:
-            motion = turned(read, seen, self.map.calibration)
+            motion = restated(read, seen, self.map.calibration)
         corrected = self.map.calibration.correct(motion)
         self.motion = corrected
         if self.map.nodes:

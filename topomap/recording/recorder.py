@@ -174,6 +174,9 @@ class RunRecorder:
     def _write_text(self, reading: Reading, record: StepRecord) -> None:
         for node in record.change.added:
             self._say(log.Level.INFO, "map", f"node {node.node}: {node.reason}")
+        for text in dict.fromkeys((record.change.broken, record.change.mended, record.where.event)):
+            if text:
+                self._say(log.Level.WARNING, "odometry", text)
         phase, note, contact = self._said
         travel = record.travel
         if travel.phase.value != phase:

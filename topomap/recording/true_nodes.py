@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from topomap.core.errors import DataError
+from topomap.core.files import regular
 
 HEAD = ("node", "x_m", "y_m", "heading_rad")
 LARGEST = 64_000_000  # [bytes] of a file of true poses
@@ -40,7 +41,7 @@ def read_truths(path: Path) -> Truths:
             return {}
         if path.stat().st_size > LARGEST:
             raise DataError(f"{path}: {path.stat().st_size} bytes are more than the true poses of any map")
-        return parse_truths(path.read_text(encoding="utf8"), str(path))
+        return parse_truths(regular(path).read_text(encoding="utf8"), str(path))
     except (OSError, UnicodeDecodeError) as error:
         raise DataError(f"{path}: the true poses can't be read ({error})") from error
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import cv2
 import numpy as np
 
 from topomap.core.arrays import Image
+from topomap.core.encoded import decode
 from topomap.core.errors import DataError
+from topomap.core.files import regular
 from topomap.core.geometry import TAU
 from topomap.core.panorama import Panorama
 from topomap.core.records import HomeVector
@@ -35,10 +36,11 @@ def load_panorama(path: Path | str, horizon_row: float | None = None) -> Panoram
 
     horizon_row: the row of eye level, the middle if None. Raises DataError.
     """
-    bgr = cv2.imread(str(path), cv2.IMREAD_COLOR)
-    if bgr is None:
-        raise DataError(f"{path} can't be read as an image")
-    image: Image = np.ascontiguousarray(bgr[:, ::-1, ::-1]).astype(np.uint8, copy=False)
+    try:
+        seen = decode(regular(Path(path)).read_bytes())
+    except (OSError, DataError) as error:
+        raise DataError(f"{path}: can't be read as an image: {getattr(error, 'strerror', None) or error}") from error
+    image: Image = np.ascontiguousarray(seen[:, ::-1])
     height, width = image.shape[:2]
     row = (height - 1) / 2 if horizon_row is None else horizon_row
     rolled = np.roll(image, -(width - 1 - width // 2), axis=1)

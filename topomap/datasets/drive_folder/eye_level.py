@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from topomap.core.encoded import decode
+from topomap.core.files import regular
 from topomap.core.panorama import Panorama
 from topomap.core.recorded import RecordedRig
 from topomap.datasets.drive_folder.table import DriveTable
@@ -33,4 +34,4 @@ def find_eye_level(drive: DriveTable, rig: RecordedRig) -> EyeLevel | None:
 
 
 def _view(path: Path, rig: RecordedRig) -> Panorama:
-    return Panorama.from_recorded(decode(path.read_bytes()), rig)
+    return Panorama.from_recorded(decode(regular(path).read_bytes()), rig)

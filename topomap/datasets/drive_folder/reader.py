@@ -7,6 +7,7 @@ from pathlib import Path
 
 from topomap.core.encoded import decode
 from topomap.core.errors import DataError
+from topomap.core.files import regular
 from topomap.core.recorded import RecordedRig
 from topomap.datasets.drive_folder import rig_file, table
 from topomap.datasets.drive_folder.eye_level import find_eye_level
@@ -47,7 +48,7 @@ def read_folder(folder: Path) -> DriveFolder:
 def _first(path: Path) -> tuple[int, int]:
     """Return height and width of an image."""
     try:
-        height, width = decode(path.read_bytes()).shape[:2]
+        height, width = decode(regular(path).read_bytes()).shape[:2]
     except (OSError, DataError) as error:
         raise DataError(f"{path}: can't be read as an image: {error}") from error
     return height, width

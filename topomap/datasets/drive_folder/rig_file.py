@@ -8,6 +8,7 @@ from pathlib import Path
 from pydantic import BaseModel, Field, ValidationError
 
 from topomap.core.errors import DataError
+from topomap.core.files import TEXT, regular
 from topomap.core.geometry import TAU
 from topomap.core.recorded import RecordedRig
 
@@ -48,7 +49,7 @@ def read_rig(path: Path, width: int, height: int) -> RigFile:
 
 def _read(path: Path) -> RigFile:
     try:
-        return RigFile.model_validate(json.loads(path.read_text(encoding="utf8")))
+        return RigFile.model_validate(json.loads(regular(path, TEXT).read_text(encoding="utf8")))
     except FileNotFoundError:
         return RigFile()
     except (OSError, json.JSONDecodeError, UnicodeDecodeError) as error:

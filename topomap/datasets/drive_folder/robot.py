@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from topomap.core.errors import DataError, ShapeError
+from topomap.core.files import regular
 from topomap.core.recorded import RecordedReading, RecordedRig
 from topomap.core.records import Command, Motion
 from topomap.core.robot import Reading
@@ -81,4 +82,4 @@ def _encoded(path: Path) -> bytes:
     """Return an image's bytes. Raises DataError for a kind of file that the log doesn't hold."""
     if path.suffix.lower() not in AS_THEY_ARE:
         raise DataError(f"is none of {', '.join(AS_THEY_ARE)}")
-    return path.read_bytes()
+    return regular(path).read_bytes()

@@ -11,6 +11,7 @@ import numpy as np
 
 from topomap.core.arrays import FloatArray, IntArray
 from topomap.core.errors import DataError
+from topomap.core.files import regular
 from topomap.core.geometry import between, wrap_all
 
 NAME = "drive.csv"
@@ -90,7 +91,7 @@ def increments(poses: FloatArray) -> FloatArray:
 def _columns(path: Path) -> tuple[list[int], dict[str, list[str]]]:
     """Return the line of each reading and the words of each column."""
     try:
-        reader = csv.DictReader(path.read_text(encoding="utf8").splitlines(), skipinitialspace=True)
+        reader = csv.DictReader(regular(path).read_text(encoding="utf8").splitlines(), skipinitialspace=True)
     except (OSError, UnicodeDecodeError) as error:
         raise DataError(f"{path}: can't be read: {getattr(error, 'strerror', None) or error}") from error
     names = [name.strip() for name in reader.fieldnames or []]

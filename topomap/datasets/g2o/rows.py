@@ -9,6 +9,7 @@ import numpy as np
 
 from topomap.core.arrays import BoolArray, FloatArray, IntArray
 from topomap.core.errors import DataError
+from topomap.core.files import regular
 
 # where row and column of the information matrix stand among an edge's six last numbers
 UPPER = {"EDGE_SE2": ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)),
@@ -70,7 +71,7 @@ def _in_order(parts: list[Edges]) -> Edges:
 def _texts(path: Path) -> dict[str, tuple[list[int], list[str]]]:
     """Return line numbers and what follows the first word, by the first word."""
     try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
+        lines = regular(path).read_text(encoding="utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as error:
         raise DataError(f"{path}: can't be read: {error}") from error
     texts: dict[str, tuple[list[int], list[str]]] = {}

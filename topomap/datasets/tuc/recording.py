@@ -10,6 +10,7 @@ import numpy as np
 
 from topomap.core.arrays import FloatArray, IntArray
 from topomap.core.errors import DataError
+from topomap.core.files import regular
 from topomap.core.geometry import wrap_all
 from topomap.mapping.odometry.increments import Increments
 
@@ -122,7 +123,7 @@ def _rows(path: Path, kinds: dict[str, tuple[str, ...]]) -> Rows:
     """Return the numbers of every row by its name."""
     rows: Rows = {kind: [] for kind in kinds}
     try:
-        lines = path.read_text(encoding="ascii").splitlines()
+        lines = regular(path).read_text(encoding="ascii").splitlines()
     except (OSError, UnicodeDecodeError) as error:
         raise DataError(f"{path}: can't be read: {error}") from error
     for number, line in enumerate(lines, start=1):

@@ -12,6 +12,7 @@ from typing import IO, Any
 import numpy as np
 
 from topomap.core.errors import DataError
+from topomap.core.files import regular
 from topomap.core.geometry import Pose2
 from topomap.core.recorded import RecordedRig
 from topomap.mapping.experience import EdgeExperience, Experience
@@ -50,6 +51,10 @@ ARRAYS: tuple[tuple[str, str, tuple[int, ...], int], ...] = (
 """Name, type, columns, and the first format that has it."""
 
 
+LARGEST = 2**34
+"""[bytes] A map of ten thousand nodes has 2 % of them."""
+
+
 class _Newer(Exception):
     """The file is of a format that isn't known yet; the text says whose."""
 
@@ -57,7 +62,7 @@ class _Newer(Exception):
 def load_map(path: Path | str) -> TopoMap:
     """Read a map. Raises DataError where the file is missing, damaged, of a newer version, or no map."""
     try:
-        with Path(path).open("rb") as file:
+        with regular(Path(path), LARGEST).open("rb") as file:
             return _load(file)
     except OSError as error:
         raise DataError(f"{path}: the map can't be read ({error.strerror or error})") from error

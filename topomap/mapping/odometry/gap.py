@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -18,13 +19,30 @@ TURN_SEEN = math.radians(3.0)
 """[rad] Error of a turn between two views a step apart: undisturbed it is at most 2.5 degrees off the odometry's."""
 
 
-def turned(read: Motion, seen: float, calibration: Calibration) -> Motion:
-    """Return an increment as read whose turn is the one seen [rad]."""
-    turn = calibration.rotation_scale * seen + calibration.curvature * read.forward
-    covariance = read.covariance.copy()
-    covariance[2, :], covariance[:, 2] = 0.0, 0.0
-    covariance[2, 2] = TURN_SEEN**2
-    return Motion(read.forward, read.left, turn, covariance, read.dt)
+@dataclass(frozen=True, slots=True)
+class Restated:
+    """A step as ranges, views or what is usual have it: true forward, left [m], turn [rad]; ways, turns: which of them
+    stand in for the odometry's, with their standard deviations [m], [rad], or None."""
+
+    forward: float
+    left: float
+    turn: float
+    ways: float | None
+    turns: float | None
+
+
+def restated(read: Motion, seen: Restated, calibration: Calibration) -> Motion:
+    """Return an increment as an odometer with these errors should have read it."""
+    forward, left, turn, covariance = read.forward, read.left, read.turn, read.covariance.copy()
+    if seen.ways is not None:
+        forward, left = calibration.distance_scale * seen.forward, calibration.distance_scale * seen.left
+        covariance[:2, :], covariance[:, :2] = 0.0, 0.0
+        covariance[0, 0] = covariance[1, 1] = seen.ways**2
+    if seen.turns is not None:
+        turn = calibration.rotation_scale * seen.turn + calibration.curvature * forward / calibration.distance_scale
+        covariance[2, :], covariance[:, 2] = 0.0, 0.0
+        covariance[2, 2] = seen.turns**2
+    return Motion(forward, left, turn, covariance, read.dt)
 
 
 def bridged(increments: Increments, calibration: Calibration, target: Pose2) -> Increments:

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 
 import numpy as np
 
 from topomap.core.arrays import FloatArray
-from topomap.core.geometry import TAU
+from topomap.core.geometry import TAU, Pose2
 from topomap.core.panorama import Panorama
+from topomap.core.records import Motion
 from topomap.core.robot import MotionReading
+from topomap.mapping.odometry.gap import Restated
+from topomap.mapping.odometry.increments import Calibration, advance
+from topomap.mapping.odometry.scan_watch import STEPS, ScanWatch
 from topomap.vision.image.compare import rotation_difference, signature
 
 SECTORS = 15
@@ -36,11 +41,21 @@ PATIENCE = 4
 """Steps in a row in which wheels and view contradict one another: people who pass do so for two or three."""
 
 
+LEAP, LEAP_LEAST, LEAP_CHANGE = 3.0, 0.3, 1.5
+"""Times the longest step of late, and [m], that a leap of the odometer exceeds, while the view changes by no more than
+so many times as usual: who drives three times as far sees twice the change."""
+SEEN_WAY, SEEN_TURN = 0.05, math.radians(3.0)
+"""[m], [rad] Error of a step restated by what is usual and by the view; undisturbed, a view's turn is at most 2.8
+degrees off the odometry's in four worlds."""
+SHOWN_TURN = math.radians(1.0)
+"""[rad] Error of a turn restated by ranges."""
+
+
 class OdometryWatch:
     """Learns how much views change on the way, and says when one changes far more, or for long not as wheels say.
 
-    turn: how far the robot turned in the last step [rad], by the view, where the odometry's turn can't be true and this
-    one explains the view; else None.
+    seen: what the last step was by views, ranges or what is usual, where the odometry's can't be true and this explains
+    what is seen; else None; said: what was found of such a step, in plain words, "" for nothing.
     """
 
     def __init__(self) -> None:
@@ -49,35 +64,85 @@ class OdometryWatch:
         self._ways: deque[float] = deque(maxlen=MEMORY)
         self._latest: deque[float] = deque(maxlen=LATELY)
         self._lately = 0.0
+        self._driven: deque[float] = deque(maxlen=MEMORY)
+        self._speeds: deque[float] = deque(maxlen=MEMORY)
         self._dead = self._spinning = 0
-        self.turn: float | None = None
+        self._leaping = False
+        self._scans = ScanWatch()
+        self.seen: Restated | None = None
+        self.said = ""
 
     @property
     def doubted(self) -> bool:
         """Whether wheels and views contradict one another now."""
-        return max(self._dead, self._spinning) >= PATIENCE
+        # where ranges show the way, they have had their say first
+        patience = PATIENCE + STEPS if self._scans.sees else PATIENCE
+        return not self._scans.untrue and max(self._dead, self._spinning) >= patience
 
-    def judge(self, panorama: Panorama, motion: MotionReading) -> str:
+    def judge(self, panorama: Panorama, motion: MotionReading, calibration: Calibration) -> str:
         """Return why the robot isn't where odometry has it, or "": it was carried away, or wheels failed until now."""
         previous, self._previous = self._previous, panorama
-        self.turn = None
+        self.seen, self.said = None, ""
         if previous is None:
+            self._scans.begin(panorama)
             return ""
         change = _change(panorama, previous, float(motion.turn))
-        way = abs(motion.forward) + abs(motion.left) + TURN_WAY * abs(motion.turn)
+        driven = abs(motion.forward) + abs(motion.left)
+        way = driven + TURN_WAY * abs(motion.turn)
+        turn = rotation_difference(signature(panorama), signature(previous))[1]
+        leapt = self._leapt(driven, motion.dt, panorama, previous, turn)
         self._lately = max(self._latest, default=0.0)
         self._latest.append(change)
-        if len(self._changes) >= FEWEST and self._jumped(change, way):
-            turn = rotation_difference(signature(panorama), signature(previous))[1]
-            if not self._jumped(_change(panorama, previous, turn), way):
-                self.turn = turn
-                return ""
+        turned = self._jumped(change, way) and not leapt
+        if turned and self._jumped(_change(panorama, previous, turn), way):
+            self._scans.begin(panorama)
             return f"carried away: the view changed by {change:.2f}, usual over a step is {self._usual:.2f}"
-        ended = self._contradicted(change, way, abs(motion.forward) + abs(motion.left))
+        doubted = self.doubted
+        dead, spinning = self._contradicted(change, way, driven)
+        moves = change > MOVING * self._usual > 0.0
+        self._restate(panorama, _corrected(motion, calibration), turn, leapt, turned, moves)
+        if self._scans.untrue or leapt or turned:
+            return ""
+        ended = ""
+        if doubted and not self.doubted:
+            ended = f"the odometry stood still for {dead} steps" if dead else f"the wheels spun for {spinning} steps"
         if way > self._still and not self._spinning and change < TIMES * max(self._usual, LEAST):
             self._changes.append(change)
             self._ways.append(way)
+            self._driven.append(driven)
+            self._speeds.append(driven / motion.dt if motion.dt > 0 else 0.0)
         return ended
+
+    def _restate(self, panorama: Panorama, read: Motion, turn: float, leapt: bool, turned: bool, moves: bool) -> None:
+        """Take the step as what is seen has it, where the odometry's can't be true; turn: by the views [rad]."""
+        usual = float(np.median(self._driven)) if self._driven else 0.0
+        by_usual = leapt or self._scans.untrue
+        if by_usual or turned:
+            ways = SEEN_WAY if by_usual else None
+            forward, left = (usual, 0.0) if by_usual else (read.forward, read.left)
+            self.seen = Restated(forward, left, turn, ways, SEEN_TURN)
+        if leapt and not self._leaping:
+            self.said = f"the odometry leapt by {abs(read.forward):.1f} m in a step; the usual {usual:.2f} m are taken"
+        elif turned:
+            self.said = f"turned by {math.degrees(turn):.0f} degrees, which the odometry doesn't count"
+        self._leaping = leapt
+        believed = read if self.seen is None else _stated(read, self.seen)
+        shown = self._scans.step(
+            panorama, advance(Pose2(), read), advance(Pose2(), believed), usual, self._dead > 0, moves
+        )
+        self.said = self.said or self._scans.said
+        if shown is not None:
+            c, s = math.cos(shown.heading / 2), math.sin(shown.heading / 2)
+            forward, left = c * shown.x + s * shown.y, c * shown.y - s * shown.x
+            self.seen = Restated(forward, left, shown.heading, SEEN_WAY, SHOWN_TURN)
+
+    def _leapt(self, driven: float, dt: float, panorama: Panorama, previous: Panorama, turn: float) -> bool:
+        """Return whether the odometer counts a step that is none: the view changed as it does over a usual one."""
+        if len(self._changes) < FEWEST or driven < max(LEAP_LEAST, LEAP * max(self._driven)):
+            return False
+        if dt > 0 and driven / dt < LEAP * max(self._speeds):
+            return False  # readings were left out
+        return _change(panorama, previous, turn) < max(LEAP_CHANGE * self._usual, LEAST)
 
     @property
     def _still(self) -> float:
@@ -89,24 +154,34 @@ class OdometryWatch:
         return float(np.median(self._changes)) if self._changes else 0.0
 
     def _jumped(self, change: float, way: float) -> bool:
+        if len(self._changes) < FEWEST:
+            return False
         longer = max(1.0, way / float(np.median(self._ways)))
         return change > max(TIMES * self._usual * longer, LEAST, MORE * self._lately)
 
-    def _contradicted(self, change: float, way: float, driven: float) -> str:
-        """Count the steps in which the wheels stand and the view moves, or the other way round.
+    def _contradicted(self, change: float, way: float, driven: float) -> tuple[int, int]:
+        """Count steps in which wheels stand and the view moves, or the other way round; return the counts so far.
 
         driven: the way without turning [m], which leaves the view as it was but for its direction.
         """
-        before, dead, spinning = self.doubted, self._dead, self._spinning
+        dead, spinning = self._dead, self._spinning
         if len(self._changes) < FEWEST:
-            return ""
+            return 0, 0
         usual = self._usual
         slow = min(driven / float(np.median(self._ways)), 1.0)
         self._dead = self._dead + 1 if way <= self._still and MOVING * usual < change else 0
         self._spinning = self._spinning + 1 if driven > self._still and change < UNMOVED * usual * slow else 0
-        if before and not self.doubted:
-            return f"the odometry stood still for {dead} steps" if dead else f"the wheels spun for {spinning} steps"
-        return ""
+        return dead, spinning
+
+
+def _corrected(motion: MotionReading, calibration: Calibration) -> Motion:
+    way = float(motion.forward), float(motion.left), float(motion.turn)
+    return calibration.correct(Motion(*way, np.asarray(motion.covariance, np.float64), float(motion.dt)))
+
+
+def _stated(read: Motion, seen: Restated) -> Motion:
+    forward, left = (read.forward, read.left) if seen.ways is None else (seen.forward, seen.left)
+    return Motion(forward, left, seen.turn, read.covariance, read.dt)
 
 
 def _change(now: Panorama, before: Panorama, turn: float) -> float:
