@@ -6,7 +6,7 @@ import numpy as np
 from scipy.special import expit
 
 from topomap.core.arrays import BoolArray, FloatArray, IntArray
-from topomap.mapping.closures.clusters import STRIDE
+from topomap.mapping.closures.claims import Claims
 from topomap.mapping.closures.evidence import log_odds_beside_others
 from topomap.mapping.closures.odds import mahalanobis
 from topomap.mapping.closures.prevalence import GATE
@@ -86,7 +86,7 @@ def _likely(working: WorkingMap, suspected: BoolArray) -> IntArray:
         own = claims[others]
         chi2, _ = mahalanobis(own, working.map.poses, network.upper_bounds(own.i, own.j))
         others = others[chi2 <= 2 * GATE]
-    errors[others] = network.errors(claims.i[others], claims.j[others])
+    errors[others] = _beside_representatives(working, network, others)
     near = np.union1d(others, np.flatnonzero(member))
     working.odds[:] = -np.inf
     working.weigh(near, errors[near], UNLIKELY)
@@ -118,8 +118,7 @@ def beside_standing(working: WorkingMap, network: PathNetwork) -> tuple[FloatArr
 
     A member's path leads over the closure of the same cluster beside it: no search is needed for each of thousands.
     """
-    claims, standing = working.claims, working.standing
-    cell = working.clusters.label * (len(working.map.poses) // STRIDE + 1) + claims.i // STRIDE
+    claims, standing, cell = working.claims, working.standing, working.clusters.cell
     cells, first = np.unique(cell[standing], return_index=True)
     anchors = standing[first]
     place = np.minimum(np.searchsorted(cells, cell), max(len(cells) - 1, 0))
@@ -127,6 +126,22 @@ def beside_standing(working: WorkingMap, network: PathNetwork) -> tuple[FloatArr
     errors = np.zeros((len(claims), 3, 3))
     known = _known(working, network, anchors)
     own, beside = np.flatnonzero(member), anchors[place[member]]
-    errors[own] = known[place[own]] + network.along(claims.i[own], claims.i[beside])
-    errors[own] += network.along(claims.j[own], claims.j[beside])
+    errors[own] = known[place[own]] + _between(claims, network, own, beside)
     return errors, member
+
+
+def _beside_representatives(working: WorkingMap, network: PathNetwork, which: IntArray) -> FloatArray:
+    """Return errors (n, 3, 3) about the origin between the places of claims (n,), which don't stand.
+
+    A search for each cell's representative; the path of one beside it is that one's and the ways there.
+    """
+    beside = working.clusters.own[which]
+    asked, place = np.unique(beside, return_inverse=True)
+    found = network.errors(working.claims.i[asked], working.claims.j[asked])
+    return np.asarray(found[place] + _between(working.claims, network, which, beside))
+
+
+def _between(claims: Claims, network: PathNetwork, which: IntArray, beside: IntArray) -> FloatArray:
+    """Return errors (n, 3, 3) of odometry from the places of claims (n,) to those of others (n,) beside them."""
+    there = network.along(claims.i[which], claims.i[beside])
+    return np.asarray(there + network.along(claims.j[which], claims.j[beside]))

@@ -10,6 +10,7 @@ from numba import njit
 from topomap.core.arrays import FloatArray, IntArray
 
 NEVER = -1  # the label of odometry, which every path may use
+SIGNPOSTS = 4  # landmarks that a search looks at: more show little more and cost a look each
 
 
 @njit(cache=True)
@@ -54,17 +55,75 @@ def shortest(
 
 
 @njit(cache=True)
+def _signposts(landmarks: FloatArray, source: int, target: int, chosen: IntArray) -> None:
+    """Fill chosen (S,) with those landmarks (N, K) that show best how far the target is from the source."""
+    told = np.abs(landmarks[source] - landmarks[target])
+    for s in range(len(chosen)):
+        chosen[s] = np.argmax(told)
+        told[chosen[s]] = -1.0
+
+
+@njit(cache=True)
+def _left(landmarks: FloatArray, chosen: IntArray, node: int, target: int) -> float:
+    """Return what is left to the target at least [rad^2]: landmarks (N, K) are as far from both as that (ALT)."""
+    least = 0.0
+    for k in chosen:
+        least = max(least, abs(landmarks[node, k] - landmarks[target, k]))
+    return least
+
+
+@njit(cache=True)
+def towards(
+    first: IntArray, onward: IntArray, start: IntArray, end: IntArray, label: IntArray, variance: FloatArray,
+    source: int, target: int, skip: int, landmarks: FloatArray, reach: FloatArray, left: FloatArray, by: IntArray,
+    seen: IntArray, turn: int,
+) -> None:  # fmt: skip
+    """Fill reach and by as `shortest` does, up to the target and mostly in its direction (A*, Goldberg 2005).
+
+    landmarks (N, K): how far each node is from some; left (N,): what is left from a node seen in this turn.
+    """
+    chosen = np.empty(min(SIGNPOSTS, landmarks.shape[1]), np.int64)
+    _signposts(landmarks, source, target, chosen)
+    reach[source], by[source], seen[source] = 0.0, -1, turn
+    left[source] = _left(landmarks, chosen, source, target)
+    queue = [(left[source], 0.0, source)]
+    while queue:
+        _, gone, node = heapq.heappop(queue)
+        if node == target:
+            return
+        here = -gone
+        if here > reach[node]:
+            continue
+        for edge in onward[first[node] : first[node + 1]]:
+            if skip >= 0 and label[edge] == skip:
+                continue
+            other = start[edge] + end[edge] - node
+            there = max(here + variance[edge], np.nextafter(here, np.inf))
+            if seen[other] != turn:
+                left[other] = _left(landmarks, chosen, other, target)
+            elif there >= reach[other]:
+                continue
+            reach[other], by[other], seen[other] = there, edge, turn
+            heapq.heappush(queue, (there + left[other], -there, other))
+
+
+@njit(cache=True)
 def path_errors(
     first: IntArray, onward: IntArray, start: IntArray, end: IntArray, random: FloatArray, systematic: FloatArray,
-    label: IntArray, calibration: FloatArray, i: IntArray, j: IntArray, skip: IntArray,
+    label: IntArray, calibration: FloatArray, landmarks: FloatArray, i: IntArray, j: IntArray, skip: IntArray,
 ) -> FloatArray:  # fmt: skip
-    """Return (n, 3, 3) the errors about the origin along the best path between i and j (n,)."""
+    """Return (n, 3, 3) the errors about the origin along the best path between i and j (n,).
+
+    landmarks (N, K): how far each node is from some of them; K may be 0.
+    """
     nodes = len(first) - 1
     variance = heading_variances(random, systematic, calibration)
-    reach, by, seen = np.empty(nodes), np.empty(nodes, np.int64), np.full(nodes, -1)
+    reach, left, by, seen = np.empty(nodes), np.empty(nodes), np.empty(nodes, np.int64), np.full(nodes, -1)
     errors, shared = np.zeros((len(i), 3, 3)), np.zeros((3, 3))
     for n in range(len(i)):
-        shortest(first, onward, start, end, label, variance, i[n], j[n], skip[n], reach, by, seen, n)
+        towards(
+            first, onward, start, end, label, variance, i[n], j[n], skip[n], landmarks, reach, left, by, seen, n
+        )
         shared[:] = 0.0
         node = j[n]
         while node != i[n]:
@@ -77,6 +136,22 @@ def path_errors(
             node = start[edge] + end[edge] - node
         _add_shared(errors[n], shared, calibration)
     return errors
+
+
+@njit(cache=True)
+def distances(
+    first: IntArray, onward: IntArray, start: IntArray, end: IntArray, random: FloatArray, systematic: FloatArray,
+    label: IntArray, calibration: FloatArray, roots: IntArray,
+) -> FloatArray:  # fmt: skip
+    """Return (N, K) how far each node is from each root [rad^2]."""
+    nodes = len(first) - 1
+    variance = heading_variances(random, systematic, calibration)
+    reach, by, seen = np.empty(nodes), np.empty(nodes, np.int64), np.full(nodes, -1)
+    result = np.empty((nodes, len(roots)))
+    for k in range(len(roots)):
+        shortest(first, onward, start, end, label, variance, roots[k], -1, NEVER, reach, by, seen, k)
+        result[:, k] = reach
+    return result
 
 
 @njit(cache=True)
