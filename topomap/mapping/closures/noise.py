@@ -9,10 +9,11 @@ import numpy as np
 from numba import njit
 from scipy.special import chdtri, fdtri
 
-from topomap.core.arrays import FloatArray, IntArray
+from topomap.core.arrays import FloatArray
 from topomap.mapping.closures.claims import Claims
 from topomap.mapping.closures.clusters import loops_of
 from topomap.mapping.closures.odds import TAILS, log_chance, mahalanobis
+from topomap.mapping.closures.prevalence import GATE
 from topomap.mapping.uncertainty.network import PathNetwork
 from topomap.mapping.uncertainty.odometry_chain import Chain
 
@@ -35,14 +36,15 @@ def variance_factor(claims: Claims, chain: Chain) -> float:
 
     Short loops, through two neighbouring claims and odometry or through one and odometry, miss of closing by the noise
     if they are true and by anything if one is false: a mixture of the two is fitted (expectation and maximisation) from
-    several starts. With fewer than 30 true loops the statement stands: 1. The claims stand in order of i, then of j.
+    several starts. Claims that odometry refuses as it is stated are false whatever the factor, and aren't heard. With
+    fewer than 30 true loops the statement stands: 1. The claims stand in order of i, then of j.
     """
+    odometry = PathNetwork.of_chain(chain)
+    claims = claims[mahalanobis(claims, chain.poses, odometry.errors(claims.i, claims.j))[0] <= GATE]
     asked = np.unique(np.linspace(0, len(claims) - 1, min(ASKED, len(claims))).astype(np.int64))
     a, _, between = loops_of(claims, chain, asked, WORST)
-    short = asked[chain.path(claims.i[asked], claims.j[asked]) <= LONGEST]
-    own, determinant = mahalanobis(
-        claims[short], chain.poses, PathNetwork.of_chain(chain).errors(*_ends(claims, short))
-    )
+    short = claims[asked[chain.path(claims.i[asked], claims.j[asked]) <= LONGEST]]
+    own, determinant = mahalanobis(short, chain.poses, odometry.errors(short.i, short.j))
     chi2 = np.concatenate([between, own])
     if len(chi2) < FEWEST:
         return 1.0
@@ -50,10 +52,6 @@ def variance_factor(claims: Claims, chain: Chain) -> float:
     chance = float(log_chance(chain.poses, np.zeros(1, bool))[0])
     fit = _mixture(chi2, -0.5 * peaks - 1.5 * np.log(2 * np.pi) - chance)
     return 1.0 if fit is None else min(1.0, fit.factor())
-
-
-def _ends(claims: Claims, which: IntArray) -> tuple[IntArray, IntArray]:
-    return claims.i[which], claims.j[which]
 
 
 class _Fit(NamedTuple):
