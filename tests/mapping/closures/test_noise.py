@@ -157,3 +157,9 @@ def test_loops_that_rest_on_long_odometry_do_not_count() -> None:
     stretched = replace(graph, odometry=graph.odometry * [2.0, 1.0, 1.0])
     assert 2.0 * LAP > LONGEST
     assert factor_of(replace(sparse, graph=stretched), 100.0) == 1.0
+
+
+def test_groups_that_odometry_refuses_do_not_make_the_noise_look_small() -> None:
+    """What a look-alike corridor claims agrees with itself better than true closures do with odometry's noise."""
+    world = square(1).groups(60, 10, seed=3, literal=True)
+    assert factor_of(world, 100.0) > 0.6 * factor_of(square(1), 100.0)

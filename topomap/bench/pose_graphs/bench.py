@@ -14,9 +14,11 @@ from topomap.bench.pose_graphs.peers import MethodRun, PeerProcess
 from topomap.core.arrays import FloatArray
 from topomap.core.errors import TopomapError
 from topomap.evaluation.trajectory import ate
+from topomap.mapping.closures.pose_graph_drive import drive_of
 from topomap.mapping.graph_engine import optimise_graph
 from topomap.mapping.optimizer.peers import PEERS
 from topomap.mapping.pose_graph import PoseGraph
+from topomap.mapping.uncertainty.network import MANY, PathNetwork
 
 OURS = "topomap"
 SHARES = (0.0, 0.2, 0.5, 0.8, 0.9)
@@ -127,4 +129,10 @@ def warm_up() -> None:
     ends = np.array([0, 1, 2, 3, 0])
     claims = np.zeros((5, 3))
     claims[4] = [5.0, 0.0, 0.0]
-    optimise_graph(PoseGraph("", relative, spread, ends, np.array([4, 5, 6, 7, 6]), claims, spread[:5]))
+    graph = PoseGraph("", relative, spread, ends, np.array([4, 5, 6, 7, 6]), claims, spread[:5])
+    optimise_graph(graph)
+    drive = drive_of(graph)  # what large graphs alone ask for
+    network = PathNetwork(drive.chain(drive.start()), ends, graph.j, spread[:5], ends)
+    many = np.zeros(MANY, np.int64)
+    network.errors(many, many + 1)
+    network.upper_bounds(ends, graph.j)

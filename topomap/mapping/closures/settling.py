@@ -7,7 +7,7 @@ from scipy.special import expit
 
 from topomap.core.arrays import BoolArray, FloatArray, IntArray
 from topomap.mapping.closures.claims import Claims
-from topomap.mapping.closures.evidence import log_odds_beside_others
+from topomap.mapping.closures.evidence import apart_from_others, log_odds_beside_others
 from topomap.mapping.closures.odds import mahalanobis
 from topomap.mapping.closures.prevalence import GATE
 from topomap.mapping.closures.strain import strained
@@ -41,19 +41,33 @@ def settle(working: WorkingMap) -> None:
 
 
 def confirm(working: WorkingMap) -> None:
-    """Take out, the weakest first, what the others that stand don't make likely: what stands vouches for itself."""
+    """Take out, the weakest first, what the others that stand don't make likely: what stands vouches for itself.
+
+    Then, closure by closure, what they put elsewhere: one of a cluster may be false though the others are true.
+    """
     while len(working.standing):
         ones = working.ones()
         label = working.clusters.label[ones]
         odds = log_odds_beside_others(working.drive, working.map, working.claims[ones], working.prior_odds(ones))
         weak = _doubtful(odds, working.clusters.size[label])
         if not len(weak):
-            return
+            break
         # a quarter of them at a time: with the weakest out the others may be stronger
         out = label[weak[np.argsort(odds[weak], kind="stable")[: 1 + len(weak) // 4]]]
-        gone = np.isin(working.clusters.label[working.standing], out)
-        working.odds[working.standing[gone]] = np.minimum(working.odds[working.standing[gone]], LIKELY)
-        working.solve(working.standing[~gone], CLOSING)
+        _withdraw(working, np.isin(working.clusters.label[working.standing], out))
+    for _ in range(SETTLINGS):
+        if not len(working.standing):
+            return
+        apart = apart_from_others(working.drive, working.map.poses, working.claims[working.standing])
+        if not apart.any():
+            return
+        _withdraw(working, apart)
+
+
+def _withdraw(working: WorkingMap, gone: BoolArray) -> None:
+    """Take out some of the claims that stand (n,)."""
+    working.odds[working.standing[gone]] = np.minimum(working.odds[working.standing[gone]], LIKELY)
+    working.solve(working.standing[~gone], CLOSING)
 
 
 def _doubtful(odds: FloatArray, size: IntArray) -> IntArray:
@@ -86,7 +100,7 @@ def _likely(working: WorkingMap, suspected: BoolArray) -> IntArray:
         own = claims[others]
         chi2, _ = mahalanobis(own, working.map.poses, network.upper_bounds(own.i, own.j))
         others = others[chi2 <= 2 * GATE]
-    errors[others] = _beside_representatives(working, network, others)
+    errors[others] = beside_representatives(working, network, others)
     near = np.union1d(others, np.flatnonzero(member))
     working.odds[:] = -np.inf
     working.weigh(near, errors[near], UNLIKELY)
@@ -130,7 +144,7 @@ def beside_standing(working: WorkingMap, network: PathNetwork) -> tuple[FloatArr
     return errors, member
 
 
-def _beside_representatives(working: WorkingMap, network: PathNetwork, which: IntArray) -> FloatArray:
+def beside_representatives(working: WorkingMap, network: PathNetwork, which: IntArray) -> FloatArray:
     """Return errors (n, 3, 3) about the origin between the places of claims (n,), which don't stand.
 
     A search for each cell's representative; the path of one beside it is that one's and the ways there.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import heapq
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -10,48 +11,8 @@ from numba import njit
 from topomap.core.arrays import FloatArray, IntArray
 
 NEVER = -1  # the label of odometry, which every path may use
+LEAST = 1e-15  # variance of heading [rad^2] that any edge has: without it there are no shortest paths
 SIGNPOSTS = 4  # landmarks that a search looks at: more show little more and cost a look each
-
-
-@njit(cache=True)
-def heading_variances(random: FloatArray, systematic: FloatArray, calibration: FloatArray) -> FloatArray:
-    """Return (E,) each edge's variance of heading [rad^2], which is what a best path has least of."""
-    variance = np.empty(len(random))
-    for edge in range(len(random)):
-        total = random[edge, 2, 2]
-        for p in range(3):
-            for q in range(3):
-                total += systematic[edge, 2, p] * calibration[p, q] * systematic[edge, 2, q]
-        variance[edge] = max(total, 1e-15)
-    return variance
-
-
-@njit(cache=True)
-def shortest(
-    first: IntArray, onward: IntArray, start: IntArray, end: IntArray, label: IntArray, variance: FloatArray,
-    source: int, target: int, skip: int, reach: FloatArray, by: IntArray, seen: IntArray, turn: int,
-) -> None:  # fmt: skip
-    """Fill reach (N,) [rad^2] and by (N,), the edge by which a node is reached, from the source (Dijkstra).
-
-    It ends at the target (-1: none). What is filled in this turn has seen (N,) equal to turn; edges labelled skip are
-    closed.
-    """
-    reach[source], by[source], seen[source] = 0.0, -1, turn
-    queue = [(0.0, source)]
-    while queue:
-        here, node = heapq.heappop(queue)
-        if node == target:
-            return
-        if here > reach[node]:
-            continue
-        for edge in onward[first[node] : first[node + 1]]:
-            if skip >= 0 and label[edge] == skip:
-                continue
-            other = start[edge] + end[edge] - node
-            there = max(here + variance[edge], np.nextafter(here, np.inf))  # `tree_errors` needs it to grow
-            if seen[other] != turn or there < reach[other]:
-                reach[other], by[other], seen[other] = there, edge, turn
-                heapq.heappush(queue, (there, other))
 
 
 @njit(cache=True)
@@ -72,19 +33,63 @@ def _left(landmarks: FloatArray, chosen: IntArray, node: int, target: int) -> fl
     return least
 
 
-@njit(cache=True)
-def towards(
-    first: IntArray, onward: IntArray, start: IntArray, end: IntArray, label: IntArray, variance: FloatArray,
-    source: int, target: int, skip: int, landmarks: FloatArray, reach: FloatArray, left: FloatArray, by: IntArray,
-    seen: IntArray, turn: int,
-) -> None:  # fmt: skip
-    """Fill reach and by as `shortest` does, up to the target and mostly in its direction (A*, Goldberg 2005).
-
-    landmarks (N, K): how far each node is from some; left (N,): what is left from a node seen in this turn.
+class _Room(NamedTuple):
+    """What a search fills in: reach (N,) [rad^2], the variance of heading on the way to a node; left (N,), what is left
+    from it at least; by (N,), the edge by which it is reached; own (N,) and turned (N, 3), the way's own variance and
+    what a calibration does to its heading; seen (N,): the search that has filled in the others.
     """
+
+    reach: FloatArray
+    left: FloatArray
+    by: IntArray
+    own: FloatArray
+    turned: FloatArray
+    seen: IntArray
+
+
+@njit(cache=True)
+def _room(nodes: int) -> _Room:
+    return _Room(
+        np.empty(nodes), np.empty(nodes), np.empty(nodes, np.int64), np.empty(nodes), np.empty((nodes, 3)),
+        np.full(nodes, -1),
+    )  # fmt: skip
+
+
+@njit(cache=True)
+def _on(
+    room: _Room, random: FloatArray, systematic: FloatArray, calibration: FloatArray, node: int, edge: int, sign: float,
+    turned: FloatArray,
+) -> float:  # fmt: skip
+    """Return the variance of heading [rad^2] beyond an edge; turned (3,) is filled in: what a calibration does adds up
+    with its sign.
+    """
+    total = room.own[node] + max(random[edge, 2, 2], LEAST)
+    for p in range(3):
+        turned[p] = room.turned[node, p] + sign * systematic[edge, 2, p]
+    for p in range(3):
+        for q in range(3):
+            total += turned[p] * calibration[p, q] * turned[q]
+    return total
+
+
+@njit(cache=True)
+def search(
+    first: IntArray, onward: IntArray, start: IntArray, end: IntArray, random: FloatArray, systematic: FloatArray,
+    label: IntArray, calibration: FloatArray, source: int, target: int, skip: int, landmarks: FloatArray, room: _Room,
+    turn: int,
+) -> None:  # fmt: skip
+    """Fill in the room from a source up to a target (-1: everywhere), mostly in its direction (A*, Goldberg 2005).
+
+    Edges labelled skip are closed; landmarks (N, K): how far each node is from some. With an unsure calibration the
+    least variance isn't a sum of edges', and the way found needn't be the best.
+    """
+    reach, left, by, seen = room.reach, room.left, room.by, room.seen
     chosen = np.empty(min(SIGNPOSTS, landmarks.shape[1]), np.int64)
-    _signposts(landmarks, source, target, chosen)
+    turned, sure = np.zeros(3), not calibration.any()
+    if len(chosen):
+        _signposts(landmarks, source, target, chosen)
     reach[source], by[source], seen[source] = 0.0, -1, turn
+    room.own[source], room.turned[source] = 0.0, 0.0
     left[source] = _left(landmarks, chosen, source, target)
     queue = [(left[source], 0.0, source)]
     while queue:
@@ -98,12 +103,19 @@ def towards(
             if skip >= 0 and label[edge] == skip:
                 continue
             other = start[edge] + end[edge] - node
-            there = max(here + variance[edge], np.nextafter(here, np.inf))
+            if sure:
+                there = here + max(random[edge, 2, 2], LEAST)
+            else:
+                sign = 1.0 if end[edge] == other else -1.0
+                there = _on(room, random, systematic, calibration, node, edge, sign, turned)
+            there = max(there, np.nextafter(here, np.inf))  # `tree_errors` needs it to grow
             if seen[other] != turn:
                 left[other] = _left(landmarks, chosen, other, target)
             elif there >= reach[other]:
                 continue
             reach[other], by[other], seen[other] = there, edge, turn
+            if not sure:
+                room.own[other], room.turned[other] = room.own[node] + max(random[edge, 2, 2], LEAST), turned
             heapq.heappush(queue, (there + left[other], -there, other))
 
 
@@ -116,18 +128,16 @@ def path_errors(
 
     landmarks (N, K): how far each node is from some of them; K may be 0.
     """
-    nodes = len(first) - 1
-    variance = heading_variances(random, systematic, calibration)
-    reach, left, by, seen = np.empty(nodes), np.empty(nodes), np.empty(nodes, np.int64), np.full(nodes, -1)
+    room = _room(len(first) - 1)
     errors, shared = np.zeros((len(i), 3, 3)), np.zeros((3, 3))
     for n in range(len(i)):
-        towards(
-            first, onward, start, end, label, variance, i[n], j[n], skip[n], landmarks, reach, left, by, seen, n
+        search(
+            first, onward, start, end, random, systematic, label, calibration, i[n], j[n], skip[n], landmarks, room, n
         )
         shared[:] = 0.0
         node = j[n]
         while node != i[n]:
-            edge = by[node]
+            edge = room.by[node]
             errors[n] += random[edge]
             if end[edge] == node:
                 shared += systematic[edge]
@@ -144,13 +154,11 @@ def distances(
     label: IntArray, calibration: FloatArray, roots: IntArray,
 ) -> FloatArray:  # fmt: skip
     """Return (N, K) how far each node is from each root [rad^2]."""
-    nodes = len(first) - 1
-    variance = heading_variances(random, systematic, calibration)
-    reach, by, seen = np.empty(nodes), np.empty(nodes, np.int64), np.full(nodes, -1)
-    result = np.empty((nodes, len(roots)))
+    room, none = _room(len(first) - 1), np.empty((len(first) - 1, 0))
+    result = np.empty((len(first) - 1, len(roots)))
     for k in range(len(roots)):
-        shortest(first, onward, start, end, label, variance, roots[k], -1, NEVER, reach, by, seen, k)
-        result[:, k] = reach
+        search(first, onward, start, end, random, systematic, label, calibration, roots[k], -1, NEVER, none, room, k)
+        result[:, k] = room.reach
     return result
 
 
@@ -171,13 +179,12 @@ def tree_errors(
 ) -> tuple[FloatArray, FloatArray]:  # fmt: skip
     """Return for K roots the random and systematic errors (K, N, 3, 3) along the best paths from them to all nodes."""
     nodes = len(first) - 1
-    variance = heading_variances(random, systematic, calibration)
-    reach, by, seen = np.empty(nodes), np.empty(nodes, np.int64), np.full(nodes, -1)
+    room, none = _room(nodes), np.empty((nodes, 0))
     errors, shared = np.zeros((len(roots), nodes, 3, 3)), np.zeros((len(roots), nodes, 3, 3))
     for k in range(len(roots)):
-        shortest(first, onward, start, end, label, variance, roots[k], -1, NEVER, reach, by, seen, k)
-        for node in np.argsort(reach):  # a node's predecessor is nearer to the root than it is
-            edge = by[node]
+        search(first, onward, start, end, random, systematic, label, calibration, roots[k], -1, NEVER, none, room, k)
+        for node in np.argsort(room.reach):  # a node's predecessor is nearer to the root than it is
+            edge = room.by[node]
             if edge < 0:
                 continue
             before = start[edge] + end[edge] - node
