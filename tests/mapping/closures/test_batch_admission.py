@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from lapped import CLOSURE
+from lapped import CLOSURE, lapped
 from told import Told, apart, claims_on, even, straight
 
 from topomap.core.arrays import BoolArray, FloatArray, IntArray
@@ -205,12 +205,12 @@ def test_a_closure_that_the_others_put_a_metre_away_is_taken_out(
     off: float, sigma: float, stands: bool, axis: int
 ) -> None:
     """Though its cluster stands, and though as a heavy tail it is likely; of vague closures that says nothing."""
-    drive = straight()
+    drive, claims, _ = lapped(laps=2, every=1).engine_input()
     there = np.zeros((16, 3))
     there[7, axis] = off
-    claims = claims_on(drive, np.arange(16), np.arange(16) + 80, there)
-    spread = np.tile(np.diag([sigma, sigma, 0.002]) ** 2, (16, 1, 1))
-    made = WorkingMap(drive, replace(claims, covariance=spread), (even(9.0),), quiet)
+    spread = np.tile(np.diag([sigma, sigma, 0.06]) ** 2, (16, 1, 1))
+    claims = replace(claims[:16], relative=claims.relative[:16] + there, covariance=spread)
+    made = WorkingMap(drive, claims, (even(9.0),), quiet)
     made.solve(np.arange(16), CLOSING.model_copy(update={"cutoff": 20.0}))
     assert len(made.standing) == 16
     settling.confirm(made)

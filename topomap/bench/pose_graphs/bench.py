@@ -14,11 +14,9 @@ from topomap.bench.pose_graphs.peers import MethodRun, PeerProcess
 from topomap.core.arrays import FloatArray
 from topomap.core.errors import TopomapError
 from topomap.evaluation.trajectory import ate
-from topomap.mapping.closures.pose_graph_drive import drive_of
-from topomap.mapping.graph_engine import optimise_graph
+from topomap.mapping.graph_engine import optimise_graph, warm_up
 from topomap.mapping.optimizer.peers import PEERS
 from topomap.mapping.pose_graph import PoseGraph
-from topomap.mapping.uncertainty.network import MANY, PathNetwork
 
 OURS = "topomap"
 SHARES = (0.0, 0.2, 0.5, 0.8, 0.9)
@@ -121,18 +119,3 @@ def _row(
         building_seconds=run.building_seconds,
         stopped=run.stopped,
     )
-
-
-def warm_up() -> None:
-    """Compile the kernels, so that the first row's time is as good as the others'."""
-    relative, spread = np.tile([1.0, 0.0, np.pi / 2], (8, 1)), np.tile(np.eye(3) * 1e-2, (8, 1, 1))
-    ends = np.array([0, 1, 2, 3, 0])
-    claims = np.zeros((5, 3))
-    claims[4] = [5.0, 0.0, 0.0]
-    graph = PoseGraph("", relative, spread, ends, np.array([4, 5, 6, 7, 6]), claims, spread[:5])
-    optimise_graph(graph)
-    drive = drive_of(graph)  # what large graphs alone ask for
-    network = PathNetwork(drive.chain(drive.start()), ends, graph.j, spread[:5], ends)
-    many = np.zeros(MANY, np.int64)
-    network.errors(many, many + 1)
-    network.upper_bounds(ends, graph.j)

@@ -89,8 +89,8 @@ def apart_from_others(drive: Drive, poses: FloatArray, closures: Claims) -> Bool
     missed, spread = beside_others(drive, poses, closures)
     far = np.hypot(missed[:, 0], missed[:, 1]) > FALSE_DISTANCE
     turned = np.abs(missed[:, 2]) > FALSE_ROTATION
-    placed = FALSE_DISTANCE**2 > chdtri(2, VAGUE) * (spread[:, 0, 0] + spread[:, 1, 1]) / 2
-    headed = FALSE_ROTATION**2 > chdtri(1, VAGUE) * spread[:, 2, 2]
+    placed = chdtri(2, VAGUE) * (spread[:, 0, 0] + spread[:, 1, 1]) / 2 < FALSE_DISTANCE**2
+    headed = chdtri(1, VAGUE) * spread[:, 2, 2] < FALSE_ROTATION**2
     return np.asarray((far & placed) | (turned & headed))
 
 

@@ -79,7 +79,7 @@ class PathNetwork:
 
     @cached_property
     def _landmarks(self) -> FloatArray:
-        """(N, K) how far places are from some [rad^2], closures of every label counted: what no path is shorter than."""
+        """(N, K) how far places are from some [rad^2] with closures of every label: no path is shorter."""
         return np.asarray(distances(*self._edges, self.chain.calibration, self._roots))
 
     @cached_property

@@ -69,7 +69,7 @@ def _on(
     for p in range(3):
         for q in range(3):
             total += turned[p] * calibration[p, q] * turned[q]
-    return total
+    return float(total)
 
 
 @njit(cache=True)
