@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from topomap.core.arrays import FloatArray, IntArray
-from topomap.mapping.uncertainty.network_kernels import NEVER, bounds, distances, path_errors, tree_errors
+from topomap.mapping.uncertainty.network_kernels import bounds, distances, path_errors, tree_errors
+from topomap.mapping.uncertainty.network_search import NEVER
 from topomap.mapping.uncertainty.odometry_chain import Chain, carried_to_origin
 
 ROOTS = 24  # nodes from which paths to all others are known; more of them hardly tighten the bound on 10,000 nodes
