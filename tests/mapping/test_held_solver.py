@@ -53,6 +53,17 @@ def test_the_inverse_is_that_of_dense_algebra_where_the_factor_has_blocks() -> N
             assert inverse[at] == pytest.approx(expected[np.ix_(rows, columns)], abs=1e-9)
 
 
+def test_a_pattern_is_taken_over_where_it_has_a_block_for_every_edge() -> None:
+    pattern = BlockPattern(5, np.array([0, 1, 2, 3, 0]), np.array([1, 2, 3, 4, 3]))
+    fewer = pattern.joining(np.array([3, 0]), np.array([4, 3]))
+    assert fewer is not None
+    assert fewer.at.tolist() == [pattern.at[3], pattern.at[4]]
+    assert pattern.at.tolist() == pattern.joining(np.array([1, 2, 3, 4, 3]), np.array([0, 1, 2, 3, 0])).at.tolist()
+    lacking = [pattern.joining(np.array([a]), np.array([b])) is None for a in range(5) for b in range(a)]
+    assert any(lacking)
+    assert not all(lacking)
+
+
 def test_a_matrix_that_is_not_positive_definite_has_no_factor() -> None:
     pattern, blocks, _ = _matrix(10, 20, 0)
     blocks[pattern.first[4]] -= 100 * np.eye(3)

@@ -7,7 +7,8 @@ import pytest
 
 from topomap.core.geometry import Pose2
 from topomap.mapping.closures.claims import Claims
-from topomap.mapping.closures.closure_tests import Gate, Knowledge
+from topomap.mapping.closures.closure_tests import Knowledge
+from topomap.mapping.closures.gates import Gate
 from topomap.mapping.closures.robot_tests import GATE
 from topomap.mapping.uncertainty.agreement import Agreeing, SupportSettings, support
 

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from bisect import bisect_left
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 
 import networkx as nx
 import numpy as np
 
-from topomap.core.arrays import Float32Array, FloatArray, IntArray
+from topomap.core.arrays import FloatArray, IntArray
 from topomap.core.geometry import Pose2, between, compose, wrap_all
-from topomap.core.recorded import RecordedRig
 from topomap.mapping.experience import Experience
+from topomap.mapping.graph_hash import Hashed, graph_hash, topology_hash
+from topomap.mapping.nodes import Node as Node
+from topomap.mapping.nodes import Snapshot as Snapshot
 from topomap.mapping.odometry.gap import bridged
 from topomap.mapping.odometry.increments import Calibration, Increments, integrate, track
 from topomap.mapping.odometry.noise import AS_DECLARED, OdometerNoise
@@ -23,24 +23,6 @@ from topomap.mapping.optimizer.problem import ClosureEdge, TurnEdge
 
 BETWEEN_DRIVES_NS = 3_600_000_000_000
 """[ns] Time set between two drives whose clocks would overlap, as a simulated clock begins anew with each."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Snapshot:
-    """What is kept of a place: the encoded panorama as logged, ranges (W,) [m] or None, and the rig."""
-
-    encoded: bytes
-    ranges: Float32Array | None
-    rig: RecordedRig
-
-
-@dataclass(frozen=True, slots=True)
-class Node:
-    """A place on the route; snapshot is None for a bare pose node; travel: raw odometer way so far [m]."""
-
-    stamp_ns: int
-    travel: float
-    snapshot: Snapshot | None
 
 
 class TopoMap:
@@ -221,31 +203,17 @@ class TopoMap:
 
     def hash(self, verdicts: list[tuple[int, int, str, str]]) -> str:
         """Return the SHA-256 over nodes, views, edges, poses and verdicts (stamp, match, verdict, reason)."""
-        digest = hashlib.sha256()
-        for node in self.nodes:
-            digest.update(f"{node.stamp_ns} {float(node.travel)!r}".encode())
-            digest.update(node.snapshot.encoded if node.snapshot else b"pose")
-        edges = [(c.i, c.j, list(c.relative.array())) for c in self.closures]
-        said = [(int(stamp_ns), int(match), verdict, reason) for stamp_ns, match, verdict, reason in verdicts]
-        digest.update(json.dumps([self.chain, edges, said]).encode())
-        if self.jumps or self.names != list(range(len(self.nodes))):
-            digest.update(json.dumps([self.names, sorted(self.jumps)]).encode())
-        digest.update(np.ascontiguousarray(self.poses).tobytes())
-        return digest.hexdigest()
+        return graph_hash(self._hashed(), verdicts)
 
     def topology_hash(self, verdicts: list[tuple[int, int, str]]) -> str:
         """Return the SHA-256 of all but the numbers: nodes, views, edges and verdicts (stamp, match, verdict).
 
         It is the same on every machine; poses may differ there in their last digits.
         """
-        digest = hashlib.sha256()
-        for node in self.nodes:
-            digest.update(f"{int(node.stamp_ns)} ".encode())
-            digest.update(node.snapshot.encoded if node.snapshot else b"pose")
-        edges = [(int(c.i), int(c.j)) for c in self.closures]
-        said = [(int(stamp_ns), int(match), verdict) for stamp_ns, match, verdict in verdicts]
-        digest.update(json.dumps([self.chain, edges, said]).encode())
-        return digest.hexdigest()
+        return topology_hash(self._hashed(), verdicts)
+
+    def _hashed(self) -> Hashed:
+        return Hashed(self.nodes, self.names, self.chain, self.jumps, self.closures, self.poses)
 
     def restore(
         self,

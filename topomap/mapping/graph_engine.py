@@ -13,6 +13,7 @@ from topomap.mapping.closures.closure_tests import TESTS, ClosureTest
 from topomap.mapping.closures.noise import variance_factor
 from topomap.mapping.closures.pose_graph_drive import claims_of, drive_of
 from topomap.mapping.pose_graph import PoseGraph
+from topomap.mapping.uncertainty.network import MANY, PathNetwork
 
 Progress = Callable[[float, str], None]
 
@@ -48,3 +49,18 @@ def optimise_graph(graph: PoseGraph, progress: Progress = quiet, tests: Sequence
     inlier[order], odds[order] = found.inlier, found.log_odds
     reason = tuple(found.reason[k] for k in np.argsort(order).tolist())
     return GraphVerdicts(found.state.poses, inlier, odds, reason, found.kept)
+
+
+def warm_up() -> None:
+    """Compile the kernels, of which large graphs ask for some that small ones don't."""
+    relative, spread = np.tile([1.0, 0.0, np.pi / 2], (8, 1)), np.tile(np.eye(3) * 1e-2, (8, 1, 1))
+    ends = np.array([0, 1, 2, 3, 0])
+    claims = np.zeros((5, 3))
+    claims[4] = [5.0, 0.0, 0.0]
+    graph = PoseGraph("", relative, spread, ends, np.array([4, 5, 6, 7, 6]), claims, spread[:5])
+    optimise_graph(graph)
+    drive = drive_of(graph)
+    network = PathNetwork(drive.chain(drive.start()), ends, graph.j, spread[:5], ends)
+    many = np.zeros(MANY, np.int64)
+    network.errors(many, many + 1)
+    network.upper_bounds(ends, graph.j)

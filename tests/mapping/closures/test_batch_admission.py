@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from lapped import CLOSURE
+from lapped import CLOSURE, lapped
 from told import Told, apart, claims_on, even, straight
 
 from topomap.core.arrays import BoolArray, FloatArray, IntArray
@@ -15,7 +15,7 @@ from topomap.mapping.closures import settling
 from topomap.mapping.closures.batch import Batch, quiet
 from topomap.mapping.closures.claims import Claims
 from topomap.mapping.closures.closure_tests import Knowledge
-from topomap.mapping.closures.working_map import WorkingMap
+from topomap.mapping.closures.working_map import CLOSING, WorkingMap
 from topomap.mapping.odometry.increments import Calibration, EdgeIncrements, Increments, track
 from topomap.mapping.pose_graph import gap_covariance
 from topomap.mapping.uncertainty.network import PathNetwork
@@ -182,3 +182,37 @@ def test_members_of_a_cluster_that_stands_are_known_over_the_closure_beside_them
     assert not errors[~member].any()
     made.standing = np.zeros(0, np.int64)
     assert not settling.beside_standing(made, made.network())[1].any()
+
+
+def test_what_is_no_member_of_a_standing_cluster_is_known_over_the_representative_beside_it() -> None:
+    drive = straight()
+    claims = claims_on(drive, np.arange(24), np.arange(24) + 80)
+    made = WorkingMap(drive, claims, (even(0.0),), quiet)
+    representatives = made.clusters.representatives
+    assert len(representatives) == 3
+    errors = settling.beside_representatives(made, made.network(), np.arange(24))
+    network = made.network()
+    assert errors[representatives] == pytest.approx(network.errors(claims.i, claims.j)[representatives])
+    beside = made.clusters.own
+    assert (claims.i[beside] // 8 == claims.i // 8).all()
+    there = network.along(claims.i, claims.i[beside]) + network.along(claims.j, claims.j[beside])
+    assert errors == pytest.approx(errors[beside] + there)
+
+
+@pytest.mark.parametrize(("off", "sigma", "stands"), [(0.8, 0.2, True), (1.3, 0.2, False), (1.3, 0.9, True)])
+@pytest.mark.parametrize("axis", [0, 1])
+def test_a_closure_that_the_others_put_a_metre_away_is_taken_out(
+    off: float, sigma: float, stands: bool, axis: int
+) -> None:
+    """Though its cluster stands, and though as a heavy tail it is likely; of vague closures that says nothing."""
+    drive, claims, _ = lapped(laps=2, every=1).engine_input()
+    there = np.zeros((16, 3))
+    there[7, axis] = off
+    spread = np.tile(np.diag([sigma, sigma, 0.06]) ** 2, (16, 1, 1))
+    claims = replace(claims[:16], relative=claims.relative[:16] + there, covariance=spread)
+    made = WorkingMap(drive, claims, (even(9.0),), quiet)
+    made.solve(np.arange(16), CLOSING.model_copy(update={"cutoff": 20.0}))
+    assert len(made.standing) == 16
+    settling.confirm(made)
+    assert (7 in made.standing) == stands
+    assert len(made.standing) == 15 + stands

@@ -16,14 +16,13 @@ from topomap.mapping.closures.closure_tests import (
     Apart,
     AtPlace,
     Crowding,
-    Gate,
     Knowledge,
     Looks,
     Odometry,
     Prevalence,
-    Supported,
 )
 from topomap.mapping.closures.engine import ClosureEngine
+from topomap.mapping.closures.gates import Gate, Supported
 from topomap.mapping.closures.odds import log_chance, log_crowding, log_density, mahalanobis
 
 POSES = np.column_stack([np.random.default_rng(0).uniform(0, 20, (80, 2)), np.linspace(-3, 3, 80)])

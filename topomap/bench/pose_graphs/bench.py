@@ -14,7 +14,7 @@ from topomap.bench.pose_graphs.peers import MethodRun, PeerProcess
 from topomap.core.arrays import FloatArray
 from topomap.core.errors import TopomapError
 from topomap.evaluation.trajectory import ate
-from topomap.mapping.graph_engine import optimise_graph
+from topomap.mapping.graph_engine import optimise_graph, warm_up
 from topomap.mapping.optimizer.peers import PEERS
 from topomap.mapping.pose_graph import PoseGraph
 
@@ -119,12 +119,3 @@ def _row(
         building_seconds=run.building_seconds,
         stopped=run.stopped,
     )
-
-
-def warm_up() -> None:
-    """Compile the kernels, so that the first row's time is as good as the others'."""
-    relative, spread = np.tile([1.0, 0.0, np.pi / 2], (8, 1)), np.tile(np.eye(3) * 1e-2, (8, 1, 1))
-    ends = np.array([0, 1, 2, 3, 0])
-    claims = np.zeros((5, 3))
-    claims[4] = [5.0, 0.0, 0.0]
-    optimise_graph(PoseGraph("", relative, spread, ends, np.array([4, 5, 6, 7, 6]), claims, spread[:5]))

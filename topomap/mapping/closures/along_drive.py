@@ -11,8 +11,9 @@ from topomap.core.arrays import BoolArray, IntArray
 from topomap.core.records import Candidate, Verdict
 from topomap.mapping.closures.along_settings import AlongSettings
 from topomap.mapping.closures.chance import probability
-from topomap.mapping.closures.closure_tests import Gate, Knowledge, Supported
+from topomap.mapping.closures.closure_tests import Knowledge
 from topomap.mapping.closures.engine import ClosureEngine
+from topomap.mapping.closures.gates import Gate, Supported
 from topomap.mapping.closures.odds import mahalanobis
 from topomap.mapping.closures.support import Support, support_of
 from topomap.mapping.odometry.increments import Calibration

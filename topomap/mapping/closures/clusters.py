@@ -21,13 +21,16 @@ STRIDE = 8  # places from one representative of a cluster to the next
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Clusters:
-    """label (M,): each claim's cluster, from 0; size (K,): claims in a cluster; representatives (R,): some claims of
-    each cluster, one in every 8 places of i, those with which most others agree.
+    """label (M,): each claim's cluster, from 0; cell (M,): the part of the cluster, 8 places of i long, that it is in;
+    size (K,): claims in a cluster; representatives (R,): a claim of each cell, in order, the one with which most others
+    agree; own (M,): each claim's representative.
     """
 
     label: IntArray
+    cell: IntArray
     size: IntArray
     representatives: IntArray
+    own: IntArray
 
     def __len__(self) -> int:
         return len(self.size)
@@ -40,8 +43,10 @@ def clusters_of(claims: Claims, chain: Chain) -> Clusters:
     agreeing = np.bincount(np.concatenate([a, b]), minlength=len(claims))
     cell = label.astype(np.int64) * (len(chain.poses) // STRIDE + 1) + claims.i // STRIDE
     order = np.lexsort((-agreeing, cell))
-    _, best = np.unique(cell[order], return_index=True)
-    return Clusters(label.astype(np.int64), np.bincount(label, minlength=count), np.sort(order[best]))
+    _, best, place = np.unique(cell[order], return_index=True, return_inverse=True)
+    own = np.empty(len(claims), np.int64)
+    own[order] = order[best][place]
+    return Clusters(label.astype(np.int64), cell, np.bincount(label, minlength=count), np.sort(order[best]), own)
 
 
 def loops_of(claims: Claims, chain: Chain, asked: IntArray, limit: float) -> tuple[IntArray, IntArray, FloatArray]:

@@ -42,7 +42,8 @@ class Drive:
 
     def start(self) -> MapState:
         """Return the map as odometry has it."""
-        return MapState(self.poses, self.prior, np.diag(np.square(self.sigmas)))
+        unknown = np.zeros((3, 3)) if self.held else np.diag(np.square(self.sigmas))
+        return MapState(self.poses, self.prior, unknown)
 
     def chain(self, state: MapState) -> Chain:
         """Return the errors of odometry along a map."""

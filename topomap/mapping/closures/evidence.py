@@ -8,8 +8,10 @@ from dataclasses import replace
 import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
+from scipy.special import chdtri
 
-from topomap.core.arrays import FloatArray
+from topomap.core.arrays import BoolArray, FloatArray
+from topomap.core.evidence import FALSE_DISTANCE, FALSE_ROTATION
 from topomap.mapping.closures.claims import Claims
 from topomap.mapping.closures.drive import Drive, MapState
 from topomap.mapping.closures.odds import log_chance, log_crowding, log_density
@@ -19,6 +21,7 @@ from topomap.mapping.optimizer import OptimizerSettings
 # every closure pulls: whether it fits is what is asked
 ALL_IN = OptimizerSettings(cutoff=100.0, cutoffs=(), iterations=10, tolerance=1e-3)
 
+VAGUE = 0.05  # share of true closures that miss by 1 m or 20 degrees from which on a miss by that tells nothing
 ALONE = 1e-6  # a closure that alone knows something is known as well by the map: the difference is no less than this
 
 
@@ -64,24 +67,48 @@ def _bridged(drive: Drive, closures: Claims) -> float:
 def log_odds_beside_others(drive: Drive, state: MapState, closures: Claims, log_prior: FloatArray) -> FloatArray:
     """Return (n,) log odds of each of n closures, one a cluster, by odometry and the other ones.
 
-    log_prior (n,) and state: as above. What a closure would miss by without itself follows from what it misses by, m,
-    its own covariance C and what the map with it knows, P: S C^-1 m with the covariance S = C (C - P)^-1 C.
+    log_prior (n,) and state: as above.
     """
-    solver, edges, blind = drive.solver, closures.closures(), closures.blind
-    poses = solver.solve(state.poses, edges, ALL_IN).poses
-    missed, known = solver.known(poses, edges)
+    poses = drive.solver.solve(state.poses, closures.closures(), ALL_IN).poses
+    blind = closures.blind
+    missed, spread = beside_others(drive, poses, closures)
+    chi2 = (missed[:, None] @ np.linalg.solve(spread, missed[:, :, None]))[:, 0, 0]
+    determinant = np.where(blind, np.linalg.det(spread[:, :2, :2]), np.linalg.det(spread))
+    even, peak = log_chance(poses, blind), log_density(np.zeros(len(closures)), determinant, blind)
+    density = log_density(chi2, determinant, blind) - peak + np.maximum(peak, even) - even
+    crowding = log_crowding(replace(closures, covariance=spread), poses, np.zeros_like(spread))
+    return np.asarray(log_prior + density - crowding)
+
+
+def apart_from_others(drive: Drive, poses: FloatArray, closures: Claims) -> BoolArray:
+    """Return which of n closures (n,) are false by the definition of it, as odometry and the other ones tell.
+
+    The map without the closure has its places more than 1 m or 20 degrees from what it says; where closure and map are
+    so vague that true ones often miss by that, it tells nothing. poses (N, 3): solved with them.
+    """
+    missed, spread = beside_others(drive, poses, closures)
+    far = np.hypot(missed[:, 0], missed[:, 1]) > FALSE_DISTANCE
+    turned = np.abs(missed[:, 2]) > FALSE_ROTATION
+    placed = chdtri(2, VAGUE) * (spread[:, 0, 0] + spread[:, 1, 1]) / 2 < FALSE_DISTANCE**2
+    headed = chdtri(1, VAGUE) * spread[:, 2, 2] < FALSE_ROTATION**2
+    return np.asarray((far & placed) | (turned & headed))
+
+
+def beside_others(drive: Drive, poses: FloatArray, closures: Claims) -> tuple[FloatArray, FloatArray]:
+    """Return what each of n closures would miss by without itself (n, 3), and the covariance of that (n, 3, 3).
+
+    poses (N, 3): solved with all of them. It follows from what it misses by with itself, m, its own covariance C and
+    what the map with it knows, P: S C^-1 m with the covariance S = C (C - P)^-1 C. Of blind ones the heading is 0.
+    """
+    blind = closures.blind
+    missed, known = drive.solver.known(poses, closures.closures())
     own, known = closures.covariance.copy(), known.copy()
     even = (own[blind, 0, 0] + own[blind, 1, 1]) / 2
     own[blind], known[blind, 2, :], known[blind, :, 2] = np.eye(3) * even[:, None, None], 0.0, 0.0
     spread = own @ np.linalg.inv(own * (1 + ALONE) - known) @ own
     pull = np.linalg.solve(own, missed[:, :, None])
     pull[blind, 2] = 0.0
-    chi2 = (pull.transpose(0, 2, 1) @ spread @ pull)[:, 0, 0]
-    determinant = np.where(blind, np.linalg.det(spread[:, :2, :2]), np.linalg.det(spread))
-    even, peak = log_chance(poses, blind), log_density(np.zeros(len(closures)), determinant, blind)
-    density = log_density(chi2, determinant, blind) - peak + np.maximum(peak, even) - even
-    crowding = log_crowding(replace(closures, covariance=spread), poses, np.zeros_like(spread))
-    return np.asarray(log_prior + density - crowding)
+    return (spread @ pull)[:, :, 0], spread
 
 
 def _flat(covariance: FloatArray) -> FloatArray:

@@ -15,8 +15,9 @@ from topomap.core.geometry import Pose2
 from topomap.core.records import Candidate, Decision, Verdict
 from topomap.mapping.closures.appearance import Appearance, Outcome
 from topomap.mapping.closures.claims import Claims
-from topomap.mapping.closures.closure_tests import ClosureTest, Gate, Knowledge
+from topomap.mapping.closures.closure_tests import ClosureTest, Knowledge
 from topomap.mapping.closures.engine import ClosureEngine
+from topomap.mapping.closures.gates import Gate
 from topomap.mapping.closures.ledger import Ledger
 from topomap.mapping.closures.looks import LogRatio, UsualCost
 from topomap.mapping.closures.odds import mahalanobis

@@ -5,7 +5,8 @@ from __future__ import annotations
 from itertools import accumulate, pairwise
 from typing import NamedTuple
 
-from topomap.mapping.closures.closure_tests import AtPlace, ClosureTest, Gate, Looks, Supported
+from topomap.mapping.closures.closure_tests import AtPlace, ClosureTest, Looks
+from topomap.mapping.closures.gates import Gate, Supported
 from topomap.mapping.closures.sight_tests import BY_SIGHT, BY_SPOT
 
 GATE = 0.95  # share of true closures that odometry lets pass

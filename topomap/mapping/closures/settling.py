@@ -6,8 +6,8 @@ import numpy as np
 from scipy.special import expit
 
 from topomap.core.arrays import BoolArray, FloatArray, IntArray
-from topomap.mapping.closures.clusters import STRIDE
-from topomap.mapping.closures.evidence import log_odds_beside_others
+from topomap.mapping.closures.claims import Claims
+from topomap.mapping.closures.evidence import apart_from_others, log_odds_beside_others
 from topomap.mapping.closures.odds import mahalanobis
 from topomap.mapping.closures.prevalence import GATE
 from topomap.mapping.closures.strain import strained
@@ -41,19 +41,33 @@ def settle(working: WorkingMap) -> None:
 
 
 def confirm(working: WorkingMap) -> None:
-    """Take out, the weakest first, what the others that stand don't make likely: what stands vouches for itself."""
+    """Take out, the weakest first, what the others that stand don't make likely: what stands vouches for itself.
+
+    Then, closure by closure, what they put elsewhere: one of a cluster may be false though the others are true.
+    """
     while len(working.standing):
         ones = working.ones()
         label = working.clusters.label[ones]
         odds = log_odds_beside_others(working.drive, working.map, working.claims[ones], working.prior_odds(ones))
         weak = _doubtful(odds, working.clusters.size[label])
         if not len(weak):
-            return
+            break
         # a quarter of them at a time: with the weakest out the others may be stronger
         out = label[weak[np.argsort(odds[weak], kind="stable")[: 1 + len(weak) // 4]]]
-        gone = np.isin(working.clusters.label[working.standing], out)
-        working.odds[working.standing[gone]] = np.minimum(working.odds[working.standing[gone]], LIKELY)
-        working.solve(working.standing[~gone], CLOSING)
+        _withdraw(working, np.isin(working.clusters.label[working.standing], out))
+    for _ in range(SETTLINGS):
+        if not len(working.standing):
+            return
+        apart = apart_from_others(working.drive, working.map.poses, working.claims[working.standing])
+        if not apart.any():
+            return
+        _withdraw(working, apart)
+
+
+def _withdraw(working: WorkingMap, gone: BoolArray) -> None:
+    """Take out some of the claims that stand (n,)."""
+    working.odds[working.standing[gone]] = np.minimum(working.odds[working.standing[gone]], LIKELY)
+    working.solve(working.standing[~gone], CLOSING)
 
 
 def _doubtful(odds: FloatArray, size: IntArray) -> IntArray:
@@ -86,7 +100,7 @@ def _likely(working: WorkingMap, suspected: BoolArray) -> IntArray:
         own = claims[others]
         chi2, _ = mahalanobis(own, working.map.poses, network.upper_bounds(own.i, own.j))
         others = others[chi2 <= 2 * GATE]
-    errors[others] = network.errors(claims.i[others], claims.j[others])
+    errors[others] = beside_representatives(working, network, others)
     near = np.union1d(others, np.flatnonzero(member))
     working.odds[:] = -np.inf
     working.weigh(near, errors[near], UNLIKELY)
@@ -118,8 +132,7 @@ def beside_standing(working: WorkingMap, network: PathNetwork) -> tuple[FloatArr
 
     A member's path leads over the closure of the same cluster beside it: no search is needed for each of thousands.
     """
-    claims, standing = working.claims, working.standing
-    cell = working.clusters.label * (len(working.map.poses) // STRIDE + 1) + claims.i // STRIDE
+    claims, standing, cell = working.claims, working.standing, working.clusters.cell
     cells, first = np.unique(cell[standing], return_index=True)
     anchors = standing[first]
     place = np.minimum(np.searchsorted(cells, cell), max(len(cells) - 1, 0))
@@ -127,6 +140,22 @@ def beside_standing(working: WorkingMap, network: PathNetwork) -> tuple[FloatArr
     errors = np.zeros((len(claims), 3, 3))
     known = _known(working, network, anchors)
     own, beside = np.flatnonzero(member), anchors[place[member]]
-    errors[own] = known[place[own]] + network.along(claims.i[own], claims.i[beside])
-    errors[own] += network.along(claims.j[own], claims.j[beside])
+    errors[own] = known[place[own]] + _between(claims, network, own, beside)
     return errors, member
+
+
+def beside_representatives(working: WorkingMap, network: PathNetwork, which: IntArray) -> FloatArray:
+    """Return errors (n, 3, 3) about the origin between the places of claims (n,), which don't stand.
+
+    A search for each cell's representative; the path of one beside it is that one's and the ways there.
+    """
+    beside = working.clusters.own[which]
+    asked, place = np.unique(beside, return_inverse=True)
+    found = network.errors(working.claims.i[asked], working.claims.j[asked])
+    return np.asarray(found[place] + _between(working.claims, network, which, beside))
+
+
+def _between(claims: Claims, network: PathNetwork, which: IntArray, beside: IntArray) -> FloatArray:
+    """Return errors (n, 3, 3) of odometry from the places of claims (n,) to those of others (n,) beside them."""
+    there = network.along(claims.i[which], claims.i[beside])
+    return np.asarray(there + network.along(claims.j[which], claims.j[beside]))

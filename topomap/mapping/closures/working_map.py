@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from topomap.core.arrays import FloatArray, IntArray
 from topomap.mapping.closures.claims import Claims
 from topomap.mapping.closures.closure_tests import ClosureTest, Knowledge
 from topomap.mapping.closures.clusters import Clusters, clusters_of
-from topomap.mapping.closures.drive import Drive
+from topomap.mapping.closures.drive import Drive, MapState
 from topomap.mapping.closures.engine import ClosureEngine
 from topomap.mapping.closures.odds import mahalanobis
 from topomap.mapping.closures.placing import placed
@@ -34,6 +35,14 @@ CLOSING = OptimizerSettings(cutoffs=(20.0, 6.0), cutoff=6.0, iterations=10, tole
 Told = Callable[[float, str], None]
 
 
+class _OfMap(NamedTuple):
+    """The paths through a map and what stood in it, which are asked for several times."""
+
+    map: MapState
+    standing: IntArray
+    paths: PathNetwork
+
+
 class WorkingMap:
     """A drive's map with the claims that stand in it.
 
@@ -47,11 +56,11 @@ class WorkingMap:
         self.drive, self.claims, self.told = drive, claims, told
         self._engine = ClosureEngine(tests)
         self.map = drive.start()
-        chain = drive.chain(self.map)
-        self.clusters: Clusters = clusters_of(claims, chain)
+        self._network = _OfMap(self.map, np.zeros(0, np.int64), PathNetwork.of_chain(drive.chain(self.map)))
+        self.clusters: Clusters = clusters_of(claims, self._network.paths.chain)
         self.odds = np.full(len(claims), -np.inf)
-        self.standing = np.zeros(0, np.int64)
-        self._sift(PathNetwork.of_chain(chain))
+        self.standing = self._network.standing
+        self._sift(self._network.paths)
 
     def _sift(self, odometry: PathNetwork) -> None:
         """Refuse the clusters that odometry can't explain, and learn from them how often claims are true."""
@@ -71,9 +80,13 @@ class WorkingMap:
 
     def network(self) -> PathNetwork:
         """Return the paths through the drive and the closures that stand."""
-        own = self.claims[self.standing]
-        chain = self.drive.chain(self.map)
-        return PathNetwork(chain, own.i, own.j, own.covariance, self.clusters.label[self.standing])
+        last = self._network
+        if last.map is not self.map or last.standing is not self.standing:
+            own = self.claims[self.standing]
+            chain = last.paths.chain if last.map is self.map else self.drive.chain(self.map)
+            paths = PathNetwork(chain, own.i, own.j, own.covariance, self.clusters.label[self.standing])
+            self._network = _OfMap(self.map, self.standing, paths)
+        return self._network.paths
 
     def weigh(self, which: IntArray, errors: FloatArray, bar: float) -> None:
         """Set the log odds of some claims by one test after the other; below the bar the last ones aren't asked.
@@ -88,7 +101,7 @@ class WorkingMap:
     def prior_odds(self, which: IntArray) -> FloatArray:
         """Return the log odds (n,) of some claims by those tests that ask more than whether odometry agrees."""
         own, label = self.claims[which], self.clusters.label[which]
-        errors = PathNetwork.of_chain(self.drive.chain(self.map)).errors(own.i, own.j)
+        errors = self.network().along(own.i, own.j)
         said = Knowledge(self.map.poses, errors, self.clusters.size[label], self.prevalence[label], np.ones(len(which)))
         return self._engine.beside_odometry(own, said)
 
@@ -107,7 +120,7 @@ class WorkingMap:
     def pull(self, which: IntArray) -> None:
         """Begin a solve with claims that the map may stand far from."""
         own = self.claims[which]
-        self.map = replace(self.map, poses=placed(self.map.poses, self.drive.chain(self.map), own))
+        self.map = replace(self.map, poses=placed(self.map.poses, self.network().chain, own))
         self.solve(which, GROWING)
 
     def standing_clusters(self) -> IntArray:

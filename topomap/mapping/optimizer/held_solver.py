@@ -19,6 +19,7 @@ from topomap.mapping.optimizer.settings import OptimizerSettings
 
 ANCHOR = 1e6  # information of the first pose [1/m^2, 1/rad^2]: it has nothing to pull against, so any holds it
 HALVINGS = 5  # of a step that makes the error worse
+FILLED = 0.8  # of a pattern's edges that others have at least to take it over: a new order takes as long as two steps
 
 
 class Ended(NamedTuple):
@@ -85,14 +86,12 @@ class HeldSolver:
         return links.seen(poses), links.known(graph.pattern, at, poses, inverse)
 
     def _graph(self, closures: Closures, nodes: int) -> _Graph:
-        """Return the network; its pattern is the last one's where the same places are joined."""
+        """Return the network; its pattern is the last one's where that has room and isn't much too large."""
         links, last = Links.of(closures), self._last
-        if last is not None and last.joins(links):
-            pattern = last.pattern
-        else:
-            ends = self.odometry.beside(links)
-            pattern = BlockPattern(nodes, ends.i, ends.j)
-        self._last = _Graph(self.odometry, links, closures.weight, pattern)
+        ends, pattern = self.odometry.beside(links), None
+        if last is not None and len(ends.i) >= FILLED * len(last.pattern.at):
+            pattern = last.pattern.joining(ends.i, ends.j)
+        self._last = _Graph(self.odometry, links, closures.weight, pattern or BlockPattern(nodes, ends.i, ends.j))
         return self._last
 
 
@@ -104,10 +103,6 @@ class _Graph:
         self._links = odometry.beside(closures)
         self._firm = np.ones(len(odometry.i))
         self.pattern = pattern
-
-    def joins(self, closures: Links) -> bool:
-        """Whether closures join the same places in the same order."""
-        return np.array_equal(self._closures.i, closures.i) and np.array_equal(self._closures.j, closures.j)
 
     def chi2(self, poses: FloatArray) -> FloatArray:
         """Return the closures' squared errors (M,) without their weights: a light one has to fit as well."""

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from topomap.core.arrays import FloatArray, IntArray
-from topomap.mapping.uncertainty.network_kernels import NEVER, bounds, path_errors, tree_errors
+from topomap.mapping.uncertainty.network_kernels import bounds, distances, path_errors, tree_errors
+from topomap.mapping.uncertainty.network_search import NEVER
 from topomap.mapping.uncertainty.odometry_chain import Chain, carried_to_origin
 
 ROOTS = 24  # nodes from which paths to all others are known; more of them hardly tighten the bound on 10,000 nodes
+MANY = 500  # paths asked for from which on it pays to find first how far all places are from the roots
 
 
 class Edges(NamedTuple):
@@ -38,7 +41,7 @@ class PathNetwork:
 
     def __init__(self, chain: Chain, i: IntArray, j: IntArray, covariance: FloatArray, label: IntArray) -> None:
         """Take the chain and M closures: i, j (M,) places, covariance (M, 3, 3) of `i_from_j`, label (M,) from 0."""
-        self._chain = chain
+        self.chain = chain
         nodes = len(chain.poses)
         carry = carried_to_origin(chain.poses[i], chain.poses[j])
         start = np.concatenate([np.arange(nodes - 1), i])
@@ -67,23 +70,37 @@ class PathNetwork:
         if not self._closed:
             return self.along(i, j)
         skip = np.full(len(i), NEVER) if without is None else without
-        return np.asarray(path_errors(*self._edges, self._chain.calibration, i, j, skip))
+        sure = not self.chain.calibration.any()
+        landmarks = self._landmarks if sure and len(i) >= MANY else np.zeros((len(self.chain.poses), 0))
+        found = np.asarray(path_errors(*self._edges, self.chain.calibration, landmarks, i, j, skip))
+        if sure or without is not None:
+            return found
+        detour = self.upper_bounds(i, j)  # the way found needn't be the best
+        return np.where((detour[:, 2, 2] < found[:, 2, 2])[:, None, None], detour, found)
+
+    @cached_property
+    def _landmarks(self) -> FloatArray:
+        """(N, K) how far places are from some [rad^2] with closures of every label: no path is shorter."""
+        return np.asarray(distances(*self._edges, self.chain.calibration, self._roots))
+
+    @cached_property
+    def _roots(self) -> IntArray:
+        nodes = len(self.chain.poses)
+        return np.unique(np.linspace(0, nodes - 1, min(ROOTS, nodes)).astype(np.int64))
 
     def upper_bounds(self, i: IntArray, j: IntArray) -> FloatArray:
         """Return (n, 3, 3) errors about the origin that are no smaller than `errors`: by the best of some detours."""
         if not self._closed:
             return self.along(i, j)
-        nodes = len(self._chain.poses)
-        roots = np.unique(np.linspace(0, nodes - 1, min(ROOTS, nodes)).astype(np.int64))
-        random, systematic = tree_errors(*self._edges, self._chain.calibration, roots)
-        return np.asarray(bounds(random, systematic, self._chain.calibration, i, j))
+        random, systematic = tree_errors(*self._edges, self.chain.calibration, self._roots)
+        return np.asarray(bounds(random, systematic, self.chain.calibration, i, j))
 
     def along(self, i: IntArray, j: IntArray) -> FloatArray:
         """Return (n, 3, 3) the errors about the origin between places i and j (n,) by odometry alone."""
         low, high = np.minimum(i, j), np.maximum(i, j)
-        systematic = self._chain.systematic[high] - self._chain.systematic[low]
-        shared = systematic @ self._chain.calibration @ systematic.transpose(0, 2, 1)
-        return np.asarray(self._chain.random[high] - self._chain.random[low] + shared)
+        systematic = self.chain.systematic[high] - self.chain.systematic[low]
+        shared = systematic @ self.chain.calibration @ systematic.transpose(0, 2, 1)
+        return np.asarray(self.chain.random[high] - self.chain.random[low] + shared)
 
 
 def _adjacent(start: IntArray, end: IntArray, nodes: int) -> tuple[IntArray, IntArray]:

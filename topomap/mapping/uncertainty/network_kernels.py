@@ -1,74 +1,33 @@
-"""Shortest paths through a network of odometry and closures, compiled."""
+"""What the best paths through a network of odometry and closures know, compiled."""
 
 from __future__ import annotations
-
-import heapq
 
 import numpy as np
 from numba import njit
 
 from topomap.core.arrays import FloatArray, IntArray
-
-NEVER = -1  # the label of odometry, which every path may use
-
-
-@njit(cache=True)
-def heading_variances(random: FloatArray, systematic: FloatArray, calibration: FloatArray) -> FloatArray:
-    """Return (E,) each edge's variance of heading [rad^2], which is what a best path has least of."""
-    variance = np.empty(len(random))
-    for edge in range(len(random)):
-        total = random[edge, 2, 2]
-        for p in range(3):
-            for q in range(3):
-                total += systematic[edge, 2, p] * calibration[p, q] * systematic[edge, 2, q]
-        variance[edge] = max(total, 1e-15)
-    return variance
-
-
-@njit(cache=True)
-def shortest(
-    first: IntArray, onward: IntArray, start: IntArray, end: IntArray, label: IntArray, variance: FloatArray,
-    source: int, target: int, skip: int, reach: FloatArray, by: IntArray, seen: IntArray, turn: int,
-) -> None:  # fmt: skip
-    """Fill reach (N,) [rad^2] and by (N,), the edge by which a node is reached, from the source (Dijkstra).
-
-    It ends at the target (-1: none). What is filled in this turn has seen (N,) equal to turn; edges labelled skip are
-    closed.
-    """
-    reach[source], by[source], seen[source] = 0.0, -1, turn
-    queue = [(0.0, source)]
-    while queue:
-        here, node = heapq.heappop(queue)
-        if node == target:
-            return
-        if here > reach[node]:
-            continue
-        for edge in onward[first[node] : first[node + 1]]:
-            if skip >= 0 and label[edge] == skip:
-                continue
-            other = start[edge] + end[edge] - node
-            there = max(here + variance[edge], np.nextafter(here, np.inf))  # `tree_errors` needs it to grow
-            if seen[other] != turn or there < reach[other]:
-                reach[other], by[other], seen[other] = there, edge, turn
-                heapq.heappush(queue, (there, other))
+from topomap.mapping.uncertainty.network_search import NEVER, room_of, search
 
 
 @njit(cache=True)
 def path_errors(
     first: IntArray, onward: IntArray, start: IntArray, end: IntArray, random: FloatArray, systematic: FloatArray,
-    label: IntArray, calibration: FloatArray, i: IntArray, j: IntArray, skip: IntArray,
+    label: IntArray, calibration: FloatArray, landmarks: FloatArray, i: IntArray, j: IntArray, skip: IntArray,
 ) -> FloatArray:  # fmt: skip
-    """Return (n, 3, 3) the errors about the origin along the best path between i and j (n,)."""
-    nodes = len(first) - 1
-    variance = heading_variances(random, systematic, calibration)
-    reach, by, seen = np.empty(nodes), np.empty(nodes, np.int64), np.full(nodes, -1)
+    """Return (n, 3, 3) the errors about the origin along the best path between i and j (n,).
+
+    landmarks (N, K): how far each node is from some of them; K may be 0.
+    """
+    room = room_of(len(first) - 1)
     errors, shared = np.zeros((len(i), 3, 3)), np.zeros((3, 3))
     for n in range(len(i)):
-        shortest(first, onward, start, end, label, variance, i[n], j[n], skip[n], reach, by, seen, n)
+        search(
+            first, onward, start, end, random, systematic, label, calibration, i[n], j[n], skip[n], landmarks, room, n
+        )
         shared[:] = 0.0
         node = j[n]
         while node != i[n]:
-            edge = by[node]
+            edge = room.by[node]
             errors[n] += random[edge]
             if end[edge] == node:
                 shared += systematic[edge]
@@ -77,6 +36,20 @@ def path_errors(
             node = start[edge] + end[edge] - node
         _add_shared(errors[n], shared, calibration)
     return errors
+
+
+@njit(cache=True)
+def distances(
+    first: IntArray, onward: IntArray, start: IntArray, end: IntArray, random: FloatArray, systematic: FloatArray,
+    label: IntArray, calibration: FloatArray, roots: IntArray,
+) -> FloatArray:  # fmt: skip
+    """Return (N, K) how far each node is from each root [rad^2]."""
+    room, none = room_of(len(first) - 1), np.empty((len(first) - 1, 0))
+    result = np.empty((len(first) - 1, len(roots)))
+    for k in range(len(roots)):
+        search(first, onward, start, end, random, systematic, label, calibration, roots[k], -1, NEVER, none, room, k)
+        result[:, k] = room.reach
+    return result
 
 
 @njit(cache=True)
@@ -96,13 +69,12 @@ def tree_errors(
 ) -> tuple[FloatArray, FloatArray]:  # fmt: skip
     """Return for K roots the random and systematic errors (K, N, 3, 3) along the best paths from them to all nodes."""
     nodes = len(first) - 1
-    variance = heading_variances(random, systematic, calibration)
-    reach, by, seen = np.empty(nodes), np.empty(nodes, np.int64), np.full(nodes, -1)
+    room, none = room_of(nodes), np.empty((nodes, 0))
     errors, shared = np.zeros((len(roots), nodes, 3, 3)), np.zeros((len(roots), nodes, 3, 3))
     for k in range(len(roots)):
-        shortest(first, onward, start, end, label, variance, roots[k], -1, NEVER, reach, by, seen, k)
-        for node in np.argsort(reach):  # a node's predecessor is nearer to the root than it is
-            edge = by[node]
+        search(first, onward, start, end, random, systematic, label, calibration, roots[k], -1, NEVER, none, room, k)
+        for node in np.argsort(room.reach):  # a node's predecessor is nearer to the root than it is
+            edge = room.by[node]
             if edge < 0:
                 continue
             before = start[edge] + end[edge] - node

@@ -1,0 +1,180 @@
+"""The arithmetic of sparse Cholesky factors of 3 x 3 blocks, compiled."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from topomap.core.arrays import FloatArray, IntArray
+
+
+@njit(cache=True)
+def columns(indptr: IntArray, indices: IntArray) -> tuple[IntArray, IntArray]:
+    """Return first and rows of the factor's columns, from the matrix's (by the elimination tree, Liu 1990)."""
+    n = len(indptr) - 1
+    parent, flag, count = np.full(n, -1), np.full(n, -1), np.ones(n, np.int64)
+    for k in range(n):
+        flag[k] = k
+        for i in indices[indptr[k] : indptr[k + 1]]:
+            while i < k and flag[i] != k:
+                if parent[i] == -1:
+                    parent[i] = k
+                count[i] += 1
+                flag[i] = k
+                i = parent[i]
+    first = np.zeros(n + 1, np.int64)
+    first[1:] = np.cumsum(count)
+    rows, fill = np.empty(first[n], np.int64), first[:n].copy()
+    flag[:] = -1
+    for k in range(n):
+        rows[first[k]] = k
+        fill[k] += 1
+        flag[k] = k
+        for i in indices[indptr[k] : indptr[k + 1]]:
+            while i < k and flag[i] != k:
+                rows[fill[i]] = k
+                fill[i] += 1
+                flag[i] = k
+                i = parent[i]
+    return first, rows
+
+
+@njit(cache=True)
+def found_blocks(first: IntArray, rows: IntArray, column: IntArray, row: IntArray) -> IntArray:
+    found = np.empty(len(column), np.int64)
+    for n in range(len(column)):
+        begin = first[column[n]]
+        found[n] = begin + np.searchsorted(rows[begin : first[column[n] + 1]], row[n])
+        if found[n] == first[column[n] + 1] or rows[found[n]] != row[n]:
+            found[n] = -1
+    return found
+
+
+@njit(cache=True)
+def factor(first: IntArray, rows: IntArray, blocks: FloatArray) -> bool:
+    for k in range(len(first) - 1):
+        begin, end = first[k], first[k + 1]
+        if not _root(blocks[begin]):
+            return False
+        for p in range(begin + 1, end):
+            _divided(blocks[p], blocks[begin])
+        for p in range(begin + 1, end):
+            q = first[rows[p]]
+            for s in range(p, end):
+                while rows[q] != rows[s]:
+                    q += 1
+                _subtract(blocks, q, s, p)
+    return True
+
+
+@njit(cache=True)
+def _root(a: FloatArray) -> bool:
+    """Turn a block (3, 3) into its Cholesky factor."""
+    for c in range(3):
+        for k in range(c):
+            a[c, c] -= a[c, k] ** 2
+        if not a[c, c] > 0.0:
+            return False
+        a[c, c] = np.sqrt(a[c, c])
+        for r in range(c + 1, 3):
+            for k in range(c):
+                a[r, c] -= a[r, k] * a[c, k]
+            a[r, c] /= a[c, c]
+            a[c, r] = 0.0
+    return True
+
+
+@njit(cache=True)
+def _divided(b: FloatArray, root: FloatArray) -> None:
+    """Multiply a block by the inverse of root^T from the right."""
+    for r in range(3):
+        b[r, 0] /= root[0, 0]
+        b[r, 1] = (b[r, 1] - b[r, 0] * root[1, 0]) / root[1, 1]
+        b[r, 2] = (b[r, 2] - b[r, 0] * root[2, 0] - b[r, 1] * root[2, 1]) / root[2, 2]
+
+
+@njit(cache=True, inline="always")
+def _subtract(blocks: FloatArray, q: int, s: int, p: int) -> None:
+    """Subtract block s times block p transposed from block q."""
+    for r in range(3):
+        x, y, z = blocks[s, r, 0], blocks[s, r, 1], blocks[s, r, 2]
+        blocks[q, r, 0] -= x * blocks[p, 0, 0] + y * blocks[p, 0, 1] + z * blocks[p, 0, 2]
+        blocks[q, r, 1] -= x * blocks[p, 1, 0] + y * blocks[p, 1, 1] + z * blocks[p, 1, 2]
+        blocks[q, r, 2] -= x * blocks[p, 2, 0] + y * blocks[p, 2, 1] + z * blocks[p, 2, 2]
+
+
+@njit(cache=True)
+def solve(first: IntArray, rows: IntArray, factor: FloatArray, x: FloatArray) -> None:
+    n = len(first) - 1
+    for k in range(n):
+        own = factor[first[k]]
+        for r in range(3):
+            for c in range(r):
+                x[k, r] -= own[r, c] * x[k, c]
+            x[k, r] /= own[r, r]
+        for p in range(first[k] + 1, first[k + 1]):
+            for r in range(3):
+                for c in range(3):
+                    x[rows[p], r] -= factor[p, r, c] * x[k, c]
+    for k in range(n - 1, -1, -1):
+        own = factor[first[k]]
+        for p in range(first[k] + 1, first[k + 1]):
+            for r in range(3):
+                for c in range(3):
+                    x[k, c] -= factor[p, r, c] * x[rows[p], r]
+        for r in range(2, -1, -1):
+            for c in range(r + 1, 3):
+                x[k, r] -= own[c, r] * x[k, c]
+            x[k, r] /= own[r, r]
+
+
+@njit(cache=True)
+def inverse(first: IntArray, rows: IntArray, factor: FloatArray, z: FloatArray) -> None:
+    """Fill the inverse's blocks from the last column to the first (Takahashi et al. 1973)."""
+    n = len(first) - 1
+    longest = 0
+    for k in range(n):
+        longest = max(longest, first[k + 1] - first[k])
+    work, root = np.zeros((longest, 3, 3)), np.zeros((3, 3))
+    for k in range(n - 1, -1, -1):
+        begin, end = first[k], first[k + 1]
+        work[: end - begin] = 0.0
+        for p in range(begin + 1, end):
+            q = first[rows[p]]
+            for s in range(p, end):
+                while rows[q] != rows[s]:
+                    q += 1
+                _add_product(work[s - begin], z[q], factor[p], False)
+                if s > p:
+                    _add_product(work[p - begin], z[q], factor[s], True)
+        _inverted(factor[begin], root)
+        own = z[begin]
+        own[:] = root
+        for p in range(begin + 1, end):
+            _add_product(z[p], -work[p - begin], root, False)
+            _add_product(own, -factor[p], z[p], True)
+        work[0] = 0.0
+        _add_product(work[0], root, own, True)
+        own[:] = work[0]
+
+
+@njit(cache=True)
+def _add_product(out: FloatArray, a: FloatArray, b: FloatArray, turned: bool) -> None:
+    """Add a b, or a^T b, to out."""
+    for r in range(3):
+        for c in range(3):
+            for k in range(3):
+                out[r, c] += (a[k, r] if turned else a[r, k]) * b[k, c]
+
+
+@njit(cache=True)
+def _inverted(root: FloatArray, out: FloatArray) -> None:
+    """Write the inverse of a lower triangular block."""
+    out[:] = 0.0
+    for c in range(3):
+        out[c, c] = 1.0 / root[c, c]
+        for r in range(c + 1, 3):
+            total = 0.0
+            for k in range(c, r):
+                total += root[r, k] * out[k, c]
+            out[r, c] = -total / root[r, r]

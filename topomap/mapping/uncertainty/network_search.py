@@ -1,0 +1,119 @@
+"""The search for a best path through a network of odometry and closures, compiled."""
+
+from __future__ import annotations
+
+import heapq
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from topomap.core.arrays import FloatArray, IntArray
+
+NEVER = -1  # the label of odometry, which every path may use
+LEAST = 1e-15  # variance of heading [rad^2] that any edge has: without it there are no shortest paths
+SIGNPOSTS = 4  # landmarks that a search looks at: more show little more and cost a look each
+
+
+@njit(cache=True)
+def _signposts(landmarks: FloatArray, source: int, target: int, chosen: IntArray) -> None:
+    """Fill chosen (S,) with those landmarks (N, K) that show best how far the target is from the source."""
+    told = np.abs(landmarks[source] - landmarks[target])
+    for s in range(len(chosen)):
+        chosen[s] = np.argmax(told)
+        told[chosen[s]] = -1.0
+
+
+@njit(cache=True)
+def _left(landmarks: FloatArray, chosen: IntArray, node: int, target: int) -> float:
+    """Return what is left to the target at least [rad^2]: landmarks (N, K) are as far from both as that (ALT)."""
+    least = 0.0
+    for k in chosen:
+        least = max(least, abs(landmarks[node, k] - landmarks[target, k]))
+    return least
+
+
+class Room(NamedTuple):
+    """What a search fills in: reach (N,) [rad^2], the variance of heading on the way to a node; left (N,), what is left
+    from it at least; by (N,), the edge by which it is reached; own (N,) and turned (N, 3), the way's own variance and
+    what a calibration does to its heading; seen (N,): the search that has filled in the others.
+    """
+
+    reach: FloatArray
+    left: FloatArray
+    by: IntArray
+    own: FloatArray
+    turned: FloatArray
+    seen: IntArray
+
+
+@njit(cache=True)
+def room_of(nodes: int) -> Room:
+    return Room(
+        np.empty(nodes), np.empty(nodes), np.empty(nodes, np.int64), np.empty(nodes), np.empty((nodes, 3)),
+        np.full(nodes, -1),
+    )  # fmt: skip
+
+
+@njit(cache=True)
+def _on(
+    room: Room, random: FloatArray, systematic: FloatArray, calibration: FloatArray, node: int, edge: int, sign: float,
+    turned: FloatArray,
+) -> float:  # fmt: skip
+    """Return the variance of heading [rad^2] beyond an edge; turned (3,) is filled in: what a calibration does adds up
+    with its sign.
+    """
+    total = room.own[node] + max(random[edge, 2, 2], LEAST)
+    for p in range(3):
+        turned[p] = room.turned[node, p] + sign * systematic[edge, 2, p]
+    for p in range(3):
+        for q in range(3):
+            total += turned[p] * calibration[p, q] * turned[q]
+    return float(total)
+
+
+@njit(cache=True)
+def search(
+    first: IntArray, onward: IntArray, start: IntArray, end: IntArray, random: FloatArray, systematic: FloatArray,
+    label: IntArray, calibration: FloatArray, source: int, target: int, skip: int, landmarks: FloatArray, room: Room,
+    turn: int,
+) -> None:  # fmt: skip
+    """Fill in the room from a source up to a target (-1: everywhere), mostly in its direction (A*, Goldberg 2005).
+
+    Edges labelled skip are closed; landmarks (N, K): how far each node is from some. With an unsure calibration the
+    least variance isn't a sum of edges', and the way found needn't be the best.
+    """
+    reach, left, by, seen = room.reach, room.left, room.by, room.seen
+    chosen = np.empty(min(SIGNPOSTS, landmarks.shape[1]), np.int64)
+    turned, sure = np.zeros(3), not calibration.any()
+    if len(chosen):
+        _signposts(landmarks, source, target, chosen)
+    reach[source], by[source], seen[source] = 0.0, -1, turn
+    room.own[source], room.turned[source] = 0.0, 0.0
+    left[source] = _left(landmarks, chosen, source, target)
+    queue = [(left[source], 0.0, source)]
+    while queue:
+        _, gone, node = heapq.heappop(queue)
+        if node == target:
+            return
+        here = -gone
+        if here > reach[node]:
+            continue
+        for edge in onward[first[node] : first[node + 1]]:
+            if skip >= 0 and label[edge] == skip:
+                continue
+            other = start[edge] + end[edge] - node
+            if sure:
+                there = here + max(random[edge, 2, 2], LEAST)
+            else:
+                sign = 1.0 if end[edge] == other else -1.0
+                there = _on(room, random, systematic, calibration, node, edge, sign, turned)
+            there = max(there, np.nextafter(here, np.inf))  # `tree_errors` needs it to grow
+            if seen[other] != turn:
+                left[other] = _left(landmarks, chosen, other, target)
+            elif there >= reach[other]:
+                continue
+            reach[other], by[other], seen[other] = there, edge, turn
+            if not sure:
+                room.own[other], room.turned[other] = room.own[node] + max(random[edge, 2, 2], LEAST), turned
+            heapq.heappush(queue, (there + left[other], -there, other))
