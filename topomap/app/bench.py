@@ -68,19 +68,24 @@ def run_bench(asked: BenchRequest, store: Store, count: int, progress: Progress)
         return bench(asked.recipes, asked.home, asked.contestants, asked.settings, hands, _counting(progress))
 
 
-def write_bench(tables: Sequence[Table], folder: Path) -> list[Path]:
-    """Write every table and its pictures into a folder of its own and return the folders."""
+def write_bench(tables: Sequence[Table], folder: Path, pictures: bool = True) -> list[Path]:
+    """Write every table and, if asked, its pictures into a folder of its own and return the folders."""
     written = []
     for table in tables:
         own = folder / safe_name(f"{table.environment}-{table.compass}")
         own.mkdir(parents=True, exist_ok=True)
         write_table(table, own)
-        for entry, row in zip(table.entries, table.rows, strict=True):
-            if row.unfit is None:
-                save(method_figure(table, entry, row), own / f"{safe_name(row.method)}.png")
-        save(sheet(table), own / "sheet.png")
+        if pictures:
+            _draw(table, own)
         written.append(own)
     return written
+
+
+def _draw(table: Table, folder: Path) -> None:
+    for entry, row in zip(table.entries, table.rows, strict=True):
+        if row.unfit is None:
+            save(method_figure(table, entry, row), folder / f"{safe_name(row.method)}.png")
+    save(sheet(table), folder / "sheet.png")
 
 
 def _grid_seeds(settings: BenchSettings, seeds: str) -> list[int]:

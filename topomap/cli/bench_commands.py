@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 benches = typer.Typer(help="Measure methods against the truth.", no_args_is_help=True, rich_markup_mode=None)
 OUT = Path("runs") / "bench"
+KEEP = typer.Option(None, help="CSV file that the figures are added to, as under docs/results.")
 
 
 def add_to(app: typer.Typer) -> None:
@@ -41,24 +42,31 @@ def homing(
     ),
     starts: int = typer.Option(8, min=0, help="Places, a seed, from which homing is iterated in the world."),
     within: float | None = typer.Option(None, min=0.01, help="Count only places this near to home [m]."),
+    every: int = typer.Option(1, min=1, help="Ask one place in so many, others for each seed; no catchment then."),
     jobs: int | None = typer.Option(None, min=1, help="Processes [all cores]."),
     fresh: bool = typer.Option(False, "--fresh", help="Measure anew what is known already."),
     out: Path = typer.Option(OUT / "homing", help="Folder for tables and pictures."),
+    keep: Path | None = KEEP,
+    pictures: bool = typer.Option(True, help="Draw vector maps and routes, one picture a method."),
 ) -> None:
     """Home vectors of all methods from every place of a grid: errors, catchment, success, time; with pictures."""
     from topomap.app import bench
     from topomap.app.words import cores
     from topomap.bench.homing.bench import BenchSettings
+    from topomap.bench.homing.table import KEPT, kept_rows
     from topomap.bench.pool import Store, default_folder
+    from topomap.experiments.results import add_results
 
-    settings = BenchSettings(compass=compass, starts=starts, within=within)
+    settings = BenchSettings(compass=compass, starts=starts, within=within, every=every)
     asked = bench.request(env, grid, methods, seeds, home, settings, view)
     store = Store(None if fresh else default_folder())
     with progress("homing", asked.steps) as advance:
         tables = bench.run_bench(asked, store, jobs or cores(), advance)
     for found in tables:
         show(found)
-    for folder in bench.write_bench(tables, out):
+        if keep is not None:
+            add_results(keep, KEPT, kept_rows(found), keys=3)
+    for folder in bench.write_bench(tables, out, pictures):
         console.print(str(folder), soft_wrap=True)
 
 
@@ -125,6 +133,31 @@ def loop_rule(
                                        for v in (r.false, r.recall, r.ate, r.online)))
             for r in rows
         ])  # fmt: skip
+
+
+@benches.command()
+def spacing(
+    worlds: list[str] = typer.Argument(None, help="Worlds by name or file [room-corridor hall]."),
+    methods: str = typer.Option("all", help="'all' that home, or names, comma-separated."),
+    seeds: str = typer.Option("0-1", help="Seeds of looks, noise and where the way begins."),
+    jobs: int | None = typer.Option(None, min=1, help="Processes [all cores]."),
+    fresh: bool = typer.Option(False, "--fresh", help="Measure anew what is known already."),
+    keep: Path | None = KEEP,
+) -> None:
+    """How far milestones may lie apart: the robot goes three of them by a method alone, 0.5 to 1.8 m apart."""
+    from topomap.app.spacing import plan, run_spacing
+    from topomap.app.words import cores, parse_seeds
+    from topomap.bench.pool import Store, default_folder
+    from topomap.experiments.results import add_results
+    from topomap.experiments.spacing import HEAD, tally
+
+    tasks = plan(worlds or ["room-corridor", "hall"], methods, parse_seeds(seeds))
+    with progress("spacing", len(tasks)) as advance:
+        courses = run_spacing(tasks, Store(None if fresh else default_folder()), jobs or cores(), advance)
+    rows = tally(courses)
+    _table("milestones, three in a row", HEAD, rows)
+    if keep is not None:
+        add_results(keep, HEAD, rows, keys=3)
 
 
 @benches.command()

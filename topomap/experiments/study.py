@@ -192,14 +192,14 @@ def binned(values: FloatArray, by: FloatArray, edges: Sequence[float]) -> list[F
 
 def row_values(row: Row) -> dict[str, JsonValue]:
     """Return a row's figures as plain JSON values, none for a method that doesn't fit."""
-    if row.mean is None or row.below_45 is None or row.catchment is None:
+    if row.mean is None or row.below_45 is None:
         return {}
     return {
         "mean_deg": round(row.mean.value, 4),
         "low": round(row.mean.low, 4),
         "high": round(row.mean.high, 4),
         "below_45": round(row.below_45.value, 4),
-        "catchment": round(row.catchment.value, 4),
+        "catchment": None if row.catchment is None else round(row.catchment.value, 4),
         "places": row.places,
     }
 
