@@ -7,6 +7,7 @@ import json
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 from sim2d import worlds
 from sim2d.errors import WorldError
@@ -79,8 +80,12 @@ class _Taught:
 CONFIG = load_config(None, ())
 
 
+@lru_cache(maxsize=1)
 def _teach(world: str, seed: int, length: float) -> _Taught:
-    """Drive `length` [m] of a world's route, from another place of it for each seed. Raises DataError."""
+    """Drive `length` [m] of a world's route, from another place of it for each seed; kept for the next method.
+
+    Raises DataError.
+    """
     try:
         made = worlds.load(world, seed)
         whole = SimRobot(made, CONFIG.sim, seed).route_length_m
@@ -106,7 +111,8 @@ def plan(names: Sequence[str], methods: str, seeds: Sequence[int]) -> list[Spaci
     chosen = known if methods == "all" else [word.strip() for word in methods.split(",") if word.strip()]
     for name in chosen:
         aligned_homing(name)
-    return [SpacingTask(*one) for one in itertools.product(names, dict.fromkeys(chosen), seeds)]
+    places = itertools.product(names, seeds)
+    return [SpacingTask(world, name, seed) for world, seed in places for name in dict.fromkeys(chosen)]
 
 
 def _alone(name: str) -> bool:

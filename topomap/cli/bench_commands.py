@@ -121,18 +121,22 @@ def study(
 def loop_rule(
     logs: list[Path] = typer.Argument(help="Logs of drives with truth."),
     threshold: float = typer.Option(0.8, min=0.01, help="Summed difference that keeps a snapshot; half of it closes."),
+    keep: Path | None = KEEP,
 ) -> None:
     """Map logged drives by the thesis's rule (5.2.4) and show it beside the closure engine."""
-    from topomap.app.loop_rule import compare
+    from topomap.app.loop_rule import HEAD, TALLY, cells, compare, tally
+    from topomap.experiments.results import add_results
     from topomap.mapping.difference_mapping import DifferenceRuleSettings
 
+    rows = []
     for log in logs:
-        rows = compare(log, DifferenceRuleSettings(threshold=threshold))
-        _table(str(log), ("by", "closures", "false", "recall", "ATE [m]", "online [m]"), [
-            (r.who, str(r.accepted), *("-" if v is None else f"{v:.2f}" if isinstance(v, float) else str(v)
-                                       for v in (r.false, r.recall, r.ate, r.online)))
-            for r in rows
-        ])  # fmt: skip
+        found = compare(log, DifferenceRuleSettings(threshold=threshold))
+        _table(str(log), HEAD, [cells(row) for row in found])
+        rows += found
+    if len(logs) > 1:
+        _table(f"{len(logs)} drives", TALLY, tally(rows))
+    if keep is not None:
+        add_results(keep, TALLY, tally(rows), keys=2)
 
 
 @benches.command()
@@ -163,13 +167,14 @@ def spacing(
 @benches.command()
 def mission(
     out: Path = typer.Option(Path("docs") / "THESIS.md", help="File for the table."),
+    results: Path = typer.Option(Path("docs") / "results", help="Folder of the figures that are kept."),
 ) -> None:
     """Write the table of the thesis: every method, figure and table, how it is called, its test, both figures."""
     from topomap.evaluation.summary import write_whole
     from topomap.experiments.mission import mission_table
 
     out.parent.mkdir(parents=True, exist_ok=True)
-    write_whole(out, mission_table())
+    write_whole(out, mission_table(results))
     console.print(str(out), soft_wrap=True)
 
 

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import astuple, dataclass
+import re
+from dataclasses import astuple, dataclass, replace
+from pathlib import Path
 
 from topomap.core.errors import DataError
 from topomap.experiments import STUDIES
+from topomap.experiments.mission_results import Homing, sections
 from topomap.experiments.mission_rows import ROWS
+from topomap.experiments.results import read_results
 from topomap.vision.compass import ALIGNERS
 from topomap.vision.homing import METHODS, POLICIES, REFERENCE_METHODS
 from topomap.vision.registry import Entry, entries
@@ -53,9 +57,23 @@ def mission_rows() -> list[MissionRow]:
     return rows
 
 
-def mission_table() -> str:
-    """Return the whole table as Markdown: figures, tables and sections first, then the methods of the registry."""
-    rows = mission_rows()
+def measured(row: MissionRow, homing: Homing) -> MissionRow:
+    """Return a row whose figures in braces, as in {ourlab A6 did}, are those that are kept. Raises DataError."""
+
+    def said(found: re.Match[str]) -> str:
+        environment, compass, method = found[1].split()
+        homing.mean(environment, compass, method)
+        return homing.said(environment, compass, method)
+
+    return replace(row, ours=re.sub(r"\{([^}]+)\}", said, row.ours))
+
+
+def mission_table(results: Path) -> str:
+    """Return the whole document as Markdown: figures, tables and sections of the thesis first, then the kept figures in
+    the folder `results`, then the methods of the registry. Raises DataError.
+    """
+    homing = Homing(read_results(results / "homing.csv"))
+    rows = [measured(row, homing) for row in mission_rows()]
     open_rows = sum(row.ours.startswith("open:") for row in rows)
     lines = [
         "# The thesis, row by row",
@@ -66,6 +84,7 @@ def mission_table() -> str:
         _line(HEAD),
         _line(["---"] * len(HEAD)),
         *(_line([row.item, row.what, _call(row), _test(row), row.thesis, row.ours]) for row in rows),
+        *sections(results),
         "",
         "## Methods",
         "",
