@@ -99,16 +99,21 @@ def available() -> list[Study]:
     return [study for study in STUDIES.values() if known.issuperset(study.environments)]
 
 
-def run_study(name: str, seeds: str, store: Store, count: int, progress: Progress, folder: Path) -> list[Path]:
-    """Make a named study; write its figure and its figures as JSON. Raises DataError for an unknown name."""
+def run_study(
+    name: str, seeds: str, store: Store, count: int, progress: Progress, folder: Path, every: int = 1
+) -> list[Path]:
+    """Make a named study; write its figure and its figures as JSON. Raises DataError for an unknown name.
+
+    every: one place of a grid in so many is asked.
+    """
     known = {study.name: study for study in available()}
     if name not in known:
         raise DataError(f"unknown study {name!r}; there are {', '.join(known)}")
     advance = _counting(progress)
     with workers(count, store) as hands:
-        found = known[name].make(Lab(world_recipe, tuple(parse_seeds(seeds)), hands, advance))
+        found = known[name].make(Lab(world_recipe, tuple(parse_seeds(seeds)), hands, advance, every))
     folder.mkdir(parents=True, exist_ok=True)
-    said = {"study": name, "source": known[name].source, "seeds": seeds, "values": found.values}
+    said = {"study": name, "source": known[name].source, "seeds": seeds, "every": every, "values": found.values}
     write_whole(folder / f"{name}.json", json.dumps(said, indent=2, allow_nan=False) + "\n")
     return [save(found.figure, folder / f"{name}.png"), folder / f"{name}.json"]
 

@@ -94,7 +94,8 @@ def _teach(world: str, seed: int, length: float) -> _Taught:
         robot = SimRobot(made, CONFIG.sim.model_copy(update={"start": start}), seed)
     except WorldError as error:
         raise DataError(str(error)) from error
-    way, truth, at, metres = [], [], Pose2(), 0.0
+    way, truth = list[tuple[Panorama, Pose2, float]](), list[Pose]()
+    at, metres = Pose2(), 0.0
     while (reading := robot.sense()) is not None and reading.driven and metres <= length + 0.1:
         m = reading.motion
         at = at @ Pose2(m.forward * math.cos(m.turn / 2), m.forward * math.sin(m.turn / 2), wrap(m.turn))

@@ -65,7 +65,7 @@ def homing(
     for found in tables:
         show(found)
         if keep is not None:
-            add_results(keep, KEPT, kept_rows(found), keys=3)
+            add_results(keep, KEPT, kept_rows(found), keys=4)
     for folder in bench.write_bench(tables, out, pictures):
         console.print(str(folder), soft_wrap=True)
 
@@ -100,6 +100,7 @@ def studies() -> None:
 def study(
     name: str = typer.Argument(help="Name of the study (see 'topomap bench studies'), or 'all'."),
     seeds: str = typer.Option("0", help="Seeds, e.g. 0-4."),
+    every: int = typer.Option(1, min=1, help="Ask one place of a grid in so many, others for each seed."),
     jobs: int | None = typer.Option(None, min=1, help="Processes [all cores]."),
     fresh: bool = typer.Option(False, "--fresh", help="Measure anew what is known already."),
     out: Path = typer.Option(OUT / "studies", help="Folder for the figure and its JSON."),
@@ -112,7 +113,7 @@ def study(
     store = Store(None if fresh else default_folder())
     for one in [one.name for one in bench.available()] if name == "all" else [name]:
         with progress(one, None) as advance:
-            written = bench.run_study(one, seeds, store, jobs or cores(), advance, out)
+            written = bench.run_study(one, seeds, store, jobs or cores(), advance, out, every)
         for path in written:
             console.print(str(path), soft_wrap=True)
 
@@ -124,11 +125,11 @@ def loop_rule(
     keep: Path | None = KEEP,
 ) -> None:
     """Map logged drives by the thesis's rule (5.2.4) and show it beside the closure engine."""
-    from topomap.app.loop_rule import HEAD, TALLY, cells, compare, tally
+    from topomap.app.loop_rule import HEAD, TALLY, LoopRow, cells, compare, tally
     from topomap.experiments.results import add_results
     from topomap.mapping.difference_mapping import DifferenceRuleSettings
 
-    rows = []
+    rows = list[LoopRow]()
     for log in logs:
         found = compare(log, DifferenceRuleSettings(threshold=threshold))
         _table(str(log), HEAD, [cells(row) for row in found])

@@ -95,12 +95,12 @@ def _cheapest(free: BoolArray, start: tuple[int, int], end: tuple[int, int]) -> 
         (np.concatenate(weights), (np.concatenate(rows), np.concatenate(columns))), shape=(free.size, free.size)
     ).tocsr()
     first, last = int(numbers[start]), int(numbers[end])
-    far, before = dijkstra(graph, directed=False, indices=first, return_predecessors=True)
-    if not math.isfinite(far[last]):
-        return None
+    before = dijkstra(graph, directed=False, indices=[first], return_predecessors=True)[1][0]
     path = [last]
     while path[-1] != first:
         path.append(int(before[path[-1]]))
+        if path[-1] < 0:
+            return None
     return np.column_stack(np.unravel_index(path[::-1], free.shape)).astype(np.float64)
 
 

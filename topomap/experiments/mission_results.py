@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from topomap.core.errors import DataError
+from topomap.evaluation.statistics import share_interval
 from topomap.experiments.mission_tables import ORDERS, THESIS
 from topomap.experiments.results import Results, read_results
 
@@ -19,7 +20,8 @@ class Homing:
 
     def __init__(self, results: Results) -> None:
         self.commands = results.commands
-        self._rows = {(r["environment"], r["compass"], r["method"]): r for r in results.rows}
+        whole = [r for r in results.rows if not r["within"]]
+        self._rows = {(r["environment"], r["compass"], r["method"]): r for r in whole}
 
     def mean(self, environment: str, compass: str, method: str) -> tuple[float, float, float]:
         """Return the mean error with its interval [degrees]. Raises DataError where it wasn't measured."""
@@ -57,19 +59,21 @@ def sections(folder: Path) -> list[str]:
         *_plain(
             folder / "grids.csv",
             "Image grids",
-            "Photographs and renderings of others: mean errors [degrees] of the places at most so far from home, compass"
-            " given. AntWorld's grass passes within centimetres; its eye level is row 119.5.",
+            "Photographs and renderings of others: mean errors [degrees] over the places at most `within` metres from"
+            " home, compass given. AntWorld's grass passes within centimetres; its eye level is row 119.5.",
+            _grids,
         ),
         *_plain(
             folder / "loop-rule.csv",
             "The loop-closing rule of 5.2.4 beside the engine (5.46-5.49)",
-            "The same drives, judged by the same truth; ATE of the finished map and of what was known at each step [m].",
+            "The same drives and the same truth: ATE of the finished map and of what was known at each step [m].",
         ),
         *_plain(
             folder / "spacing.csv",
             "Milestone spacing",
             "The robot goes three milestones in a row by a method alone, its rotation tracked by odometry and compass,"
-            " no pose believed. METHODS: min-warping all at 0.5, 0.8 and 1.2 m, none at 1.8 m; DTW all, a quarter, none.",
+            " no pose believed. The prototype: min-warping all at 0.5, 0.8 and 1.2 m, none at 1.8 m; DTW with A6 all,"
+            " a quarter, none.",
             _spacing,
         ),
     ]
@@ -96,11 +100,11 @@ def _rooms(homing: Homing) -> list[str]:
 
 
 def _tables(homing: Homing) -> list[str]:
-    lines = ["## The thesis's tables", "", "Compass given, and without one (the thesis: visual compass; ours: A6); (n).", ""]
+    text = "Compass given, and without one (the thesis: visual compass; ours: A6); (n)."
+    lines = ["## The thesis's tables", "", text, ""]
     lines += [_line(("table", "room", "method", "thesis", "ours", "thesis without", "ours without")), _rule(7)]
     for t in THESIS:
-        ours = (homing.said(t.room, compass, t.method, count=True) for compass in COMPASSES)
-        given, found = ours
+        given, found = (homing.said(t.room, compass, t.method, count=True) for compass in COMPASSES)
         lines.append(_line((t.table, t.room, f"{t.numeral} `{t.method}`", t.given, given, t.without, found)))
     return lines
 
@@ -131,6 +135,23 @@ def _as_it_is(rows: Sequence[Mapping[str, str]]) -> list[str]:
     return [_line(head), _rule(len(head)), *(_line(tuple(row.values())) for row in rows)]
 
 
+def _grids(rows: Sequence[Mapping[str, str]]) -> list[str]:
+    """One line a method: its mean errors by grid and distance."""
+    columns = sorted({(r["environment"], r["within"]) for r in rows}, key=lambda c: (c[0], float(c[1] or "inf")))
+    cells = {(r["method"], r["environment"], r["within"]): r for r in rows}
+    names = sorted(
+        {r["method"] for r in rows}, key=lambda n: float(cells.get((n, *columns[0]), {"mean": "inf"})["mean"])
+    )
+    lines = [_line(("method", *(f"{grid}, within {metres} m" for grid, metres in columns))), _rule(len(columns) + 1)]
+    return lines + [_line((f"`{name}`", *(_mean(cells.get((name, *column))) for column in columns))) for name in names]
+
+
+def _mean(row: Mapping[str, str] | None) -> str:
+    if row is None:
+        return "-"
+    return f"{float(row['mean']):.1f} ± {(float(row['high']) - float(row['low'])) / 2:.1f} ({row['n']})"
+
+
 def _spacing(rows: Sequence[Mapping[str, str]]) -> list[str]:
     """One line a method: courses done of those begun, by world and spacing, with how many ended at a false arrival."""
     columns = list(dict.fromkeys((r["world"], r["spacing"]) for r in rows))
@@ -140,7 +161,8 @@ def _spacing(rows: Sequence[Mapping[str, str]]) -> list[str]:
     def done(name: str) -> int:
         return sum(int(cells[key]["done"]) for key in cells if key[0] == name)
 
-    lines = [_line(("method", *(f"{world} {spacing} m" for world, spacing in columns), "all, 95 %")), _rule(len(columns) + 2)]
+    head = ("method", *(f"{world} {spacing} m" for world, spacing in columns), "all, 95 %")
+    lines = [_line(head), _rule(len(head))]
     for name in sorted(names, key=lambda name: (-done(name), name)):
         own = [cells.get((name, *column)) for column in columns]
         lines.append(_line((f"`{name}`", *(_courses(row) for row in own), _share([r for r in own if r]))))
@@ -155,8 +177,6 @@ def _courses(row: Mapping[str, str] | None) -> str:
 
 
 def _share(rows: Sequence[Mapping[str, str]]) -> str:
-    from topomap.evaluation.statistics import share_interval
-
     found = share_interval(sum(int(r["done"]) for r in rows), sum(int(r["courses"]) for r in rows))
     return f"{found.value:.2f} [{found.low:.2f}, {found.high:.2f}]"
 

@@ -161,7 +161,9 @@ def bench(
     aligner = compass(settings.compass)
     surveys = workers.run([SurveyTask(recipe) for recipe in recipes], advance)
     homes = [_home(survey, home) for survey in surveys]
-    turns = workers.run([TurnsTask(r, h, aligner, settings.every) for r, h in zip(recipes, homes, strict=True)], advance)
+    turns = workers.run(
+        [TurnsTask(r, h, aligner, settings.every) for r, h in zip(recipes, homes, strict=True)], advance
+    )
     near = settings.within or math.inf
     grounds = [Ground(*row, near, settings.every) for row in zip(recipes, surveys, homes, turns, strict=True)]
     wanted = [
