@@ -82,7 +82,7 @@ def test_a_csv_file_in_a_known_format_is_a_grid_whatever_its_name(tmp_path: Path
     arena = grid_recipe(route).arena()
     assert arena.spacing == pytest.approx(0.01)
     route.write_text("x,y\n1,2\n")
-    with pytest.raises(DataError, match="route.csv: its first line isn't"):
+    with pytest.raises(DataError, match=r"route\.csv: its first line isn't"):
         load_grid(route)
 
 

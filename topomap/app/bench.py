@@ -21,6 +21,9 @@ from topomap.core.names import safe_name
 from topomap.datasets.image_grid import grid_recipe
 from topomap.evaluation.summary import write_whole
 from topomap.experiments import STUDIES, Lab, Study
+from topomap.experiments.results import add_results
+from topomap.experiments.study_rows import HEAD as STUDY_HEAD
+from topomap.experiments.study_rows import study_rows
 from topomap.vision.arena import Point, Recipe
 
 Progress = Callable[[int], None]
@@ -100,11 +103,18 @@ def available() -> list[Study]:
 
 
 def run_study(
-    name: str, seeds: str, store: Store, count: int, progress: Progress, folder: Path, every: int = 1
+    name: str,
+    seeds: str,
+    store: Store,
+    count: int,
+    progress: Progress,
+    folder: Path,
+    every: int = 1,
+    keep: Path | None = None,
 ) -> list[Path]:
     """Make a named study; write its figure and its figures as JSON. Raises DataError for an unknown name.
 
-    every: one place of a grid in so many is asked.
+    every: one place of a grid in so many is asked; keep: CSV file that its figures are added to.
     """
     known = {study.name: study for study in available()}
     if name not in known:
@@ -115,6 +125,8 @@ def run_study(
     folder.mkdir(parents=True, exist_ok=True)
     said = {"study": name, "source": known[name].source, "seeds": seeds, "every": every, "values": found.values}
     write_whole(folder / f"{name}.json", json.dumps(said, indent=2, allow_nan=False) + "\n")
+    if keep is not None:
+        add_results(keep, STUDY_HEAD, study_rows(name, found.values), keys=3)
     return [save(found.figure, folder / f"{name}.png"), folder / f"{name}.json"]
 
 

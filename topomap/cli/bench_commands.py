@@ -104,6 +104,7 @@ def study(
     jobs: int | None = typer.Option(None, min=1, help="Processes [all cores]."),
     fresh: bool = typer.Option(False, "--fresh", help="Measure anew what is known already."),
     out: Path = typer.Option(OUT / "studies", help="Folder for the figure and its JSON."),
+    keep: Path | None = KEEP,
 ) -> None:
     """Repeat one of the thesis's experiments; write its figure and the figures behind it."""
     from topomap.app import bench
@@ -113,7 +114,7 @@ def study(
     store = Store(None if fresh else default_folder())
     for one in [one.name for one in bench.available()] if name == "all" else [name]:
         with progress(one, None) as advance:
-            written = bench.run_study(one, seeds, store, jobs or cores(), advance, out, every)
+            written = bench.run_study(one, seeds, store, jobs or cores(), advance, out, every, keep)
         for path in written:
             console.print(str(path), soft_wrap=True)
 

@@ -102,6 +102,8 @@ def _line(cells: tuple[str, ...] | list[str]) -> str:
 
 def _call(row: MissionRow) -> str:
     kind, names = row.names
+    if kind == "command":
+        return f"`{row.called.removeprefix('command ')}`"
     if kind not in COMMAND:
         return row.called
     joined = ",".join(names) if kind == "method" else " / ".join(names)

@@ -9,6 +9,7 @@ from topomap.core.errors import DataError
 from topomap.evaluation.statistics import share_interval
 from topomap.experiments.mission_tables import ORDERS, THESIS
 from topomap.experiments.results import Results, read_results
+from topomap.experiments.study_rows import study_lines
 
 ROOMS = ("a1original", "screen", "arboreal", "hall1", "ourlab", "cylinders")
 """The six environments: four like Vardy's, one like the thesis's lab, one like the cylinders of its simulations."""
@@ -56,6 +57,7 @@ def sections(folder: Path) -> list[str]:
         *_rooms(homing),
         *_tables(homing),
         *_orders(homing),
+        *_studies(read_results(folder / "studies.csv")),
         *_plain(
             folder / "grids.csv",
             "Image grids",
@@ -119,6 +121,16 @@ def _orders(homing: Homing) -> list[str]:
         figures = " < ".join(f"{homing.said(order.room, 'given', name)}" for name in (order.better, order.worse))
         said = f"`{order.better}` before `{order.worse}` ({order.source})"
         lines.append(_line((said, order.room, figures.replace("<", "and"), holds, order.cause)))
+    return lines
+
+
+def _studies(results: Results) -> list[str]:
+    """Every study's figures, one line a series."""
+    text = "What each found, at: figure ± half the width of its 95 % interval (n); errors in degrees."
+    lines = _heading("The studies", text, results.commands)[:-1]
+    for study in dict.fromkeys(row["study"] for row in results.rows):
+        own = [row for row in results.rows if row["study"] == study]
+        lines += ["", f"### {study}", "", _line(("series", "found")), _rule(2), *study_lines(own)]
     return lines
 
 

@@ -41,7 +41,7 @@ def read_results(path: Path) -> Results:
 def add_results(path: Path, head: Sequence[str], rows: Iterable[Sequence[str]], keys: int) -> None:
     """Write rows into a file of figures, in place of those there that share the first `keys` cells. Raises DataError.
 
-    The command line of this process joins those that made the file.
+    The command line of this process joins those that made the file, without what decides no figure.
     """
     before = read_results(path) if path.exists() else Results((), ())
     known = {tuple(row.values())[:keys]: tuple(row.values()) for row in before.rows}
@@ -49,7 +49,17 @@ def add_results(path: Path, head: Sequence[str], rows: Iterable[Sequence[str]], 
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(head)
-    writer.writerows(known[key] for key in sorted(known))
-    commands = dict.fromkeys((*before.commands, " ".join(("topomap", *sys.argv[1:]))))
+    writer.writerows(known.values())
+    commands = dict.fromkeys((*before.commands, _command(sys.argv[1:])))
     path.parent.mkdir(parents=True, exist_ok=True)
     write_whole(path, "".join(f"{MARK}{one}\n" for one in commands) + text.getvalue())
+
+
+def _command(words: Sequence[str]) -> str:
+    """Return a command line without where it writes and how many processes it takes."""
+    told = list(words)
+    for name in ("--out", "--jobs"):
+        if name in told:
+            at = told.index(name)
+            del told[at : at + 2]
+    return " ".join(("topomap", *(word for word in told if word not in ("--fresh", "--no-pictures"))))
