@@ -103,17 +103,26 @@ def _teach(world: str, seed: int, length: float) -> _Taught:
         metres += math.dist(truth[-1][:2], (here.x, here.y)) if truth else 0.0
         way.append((Panorama.from_reading(reading), at, metres))
         truth.append((here.x, here.y, here.heading))
+    if metres < length:
+        raise DataError(
+            f"{world}: its route is {metres:.1f} m long; {LEGS} milestones so far apart take {length:.1f} m"
+        )
     return _Taught(robot, way, truth)
 
 
-def plan(names: Sequence[str], methods: str, seeds: Sequence[int]) -> list[SpacingTask]:
-    """Return the tasks of worlds, methods ("all": every one that claims to home) and seeds. Raises DataError."""
+def plan(
+    names: Sequence[str], methods: str, seeds: Sequence[int], spacings: Sequence[float] = SPACINGS
+) -> list[SpacingTask]:
+    """Return the tasks of worlds, methods ("all": every one that claims to home), seeds and spacings [m].
+
+    Raises DataError.
+    """
     known = list(dict.fromkeys(e.name for e in entries() if e.homes and (e.kind != "aligner" or _alone(e.name))))
     chosen = known if methods == "all" else [word.strip() for word in methods.split(",") if word.strip()]
     for name in chosen:
         aligned_homing(name)
     places = itertools.product(names, seeds)
-    return [SpacingTask(world, name, seed) for world, seed in places for name in dict.fromkeys(chosen)]
+    return [SpacingTask(world, name, seed, tuple(spacings)) for world, seed in places for name in dict.fromkeys(chosen)]
 
 
 def _alone(name: str) -> bool:

@@ -146,6 +146,7 @@ def spacing(
     worlds: list[str] = typer.Argument(None, help="Worlds by name or file [room-corridor hall]."),
     methods: str = typer.Option("all", help="'all' that home, or names, comma-separated."),
     seeds: str = typer.Option("0-1", help="Seeds of looks, noise and where the way begins."),
+    apart: list[float] = typer.Option([0.5, 0.8, 1.2, 1.8], min=0.3, max=10, help="Spacing [m]; may repeat."),
     jobs: int | None = typer.Option(None, min=1, help="Processes [all cores]."),
     fresh: bool = typer.Option(False, "--fresh", help="Measure anew what is known already."),
     keep: Path | None = KEEP,
@@ -157,7 +158,7 @@ def spacing(
     from topomap.experiments.results import add_results
     from topomap.experiments.spacing import HEAD, tally
 
-    tasks = plan(worlds or ["room-corridor", "hall"], methods, parse_seeds(seeds))
+    tasks = plan(worlds or ["room-corridor", "hall"], methods, parse_seeds(seeds), apart)
     with progress("spacing", len(tasks)) as advance:
         courses = run_spacing(tasks, Store(None if fresh else default_folder()), jobs or cores(), advance)
     rows = tally(courses)
