@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import fields, replace
 from functools import cache
 from pathlib import Path
 
@@ -49,8 +49,15 @@ def seen(name: str, pose: Pose2) -> Panorama:
 
 
 def answers(name: str) -> dict[str, Figures]:
-    """Return what one of `names()` says, by the view it was given: bearing, distance, confidence; rotations first."""
-    return dict(_aligned(name.removeprefix("compass ")) if name.startswith("compass ") else _homed(name))
+    """Return what one of `names()` needs and says, by the view it was given: bearing, distance, confidence; an aligner's
+    rotation first.
+    """
+    short = name.removeprefix("compass ")
+    listed = ALIGNERS[short] if name != short else {**METHODS, **REFERENCE_METHODS, **POLICIES}[name]
+    needs = listed.needs  # type: ignore[union-attr]
+    flags = [float(getattr(needs, f.name)) for f in fields(needs)]
+    found = dict(_aligned(short) if name != short else _homed(name))
+    return {"needs": [*flags, float(listed.claims_homing)], **found}  # type: ignore[union-attr]
 
 
 def _homed(name: str) -> Iterator[tuple[str, Figures]]:
@@ -71,6 +78,17 @@ def _homed(name: str) -> Iterator[tuple[str, Figures]]:
         else:
             found = METHODS[name].home(METHODS[name].describe(current), METHODS[name].describe(goal))
         yield said, _figures(found)
+    if name in METHODS:
+        there = METHODS[name].describe(goal)
+        yield "same", _figures(METHODS[name].home(there, there))
+        for said, blank in _nothing(goal).items():
+            yield said, _figures(METHODS[name].home(METHODS[name].describe(blank), there))
+
+
+def _nothing(goal: Panorama) -> dict[str, Panorama]:
+    """Views that show nothing of the goal: one colour, and noise."""
+    noise = np.random.default_rng(5).integers(0, 256, goal.image.shape).astype(np.uint8)
+    return {"blank": replace(goal, image=np.full_like(goal.image, 99)), "noise": replace(goal, image=noise)}
 
 
 def _aligned(name: str) -> Iterator[tuple[str, Figures]]:
