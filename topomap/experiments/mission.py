@@ -8,7 +8,7 @@ from pathlib import Path
 
 from topomap.core.errors import DataError
 from topomap.experiments import STUDIES
-from topomap.experiments.mission_results import Homing, sections
+from topomap.experiments.mission_results import Homing, kept, sections
 from topomap.experiments.mission_rows import ROWS
 from topomap.experiments.results import read_results
 from topomap.vision.compass import ALIGNERS
@@ -68,12 +68,26 @@ def measured(row: MissionRow, homing: Homing) -> MissionRow:
     return replace(row, ours=re.sub(r"\{([^}]+)\}", said, row.ours))
 
 
+POINTS = re.compile(r"[Tt]he studies[:,] ([a-z0-9, -]+)")
+SECTIONS = {"see The loop-closing rule": "loop-rule.csv", "see Milestone spacing": "spacing.csv"}
+"""What rows point to, and the file of figures that it is made of."""
+
+
+def standing(row: MissionRow, results: Path) -> MissionRow:
+    """Return a row that says it is open where the figures it points to aren't kept yet. Raises DataError."""
+    there = {one["study"] for one in kept(results / "studies.csv").rows}
+    told = [name.strip() for found in POINTS.findall(row.ours) for name in re.split(r", | and ", found)]
+    missing = [f"study {name}" for name in told if name not in there]
+    missing += [file for said, file in SECTIONS.items() if said in row.ours and not kept(results / file).rows]
+    return replace(row, ours=f"open: not run yet: {', '.join(missing)}; {row.ours}") if missing else row
+
+
 def mission_table(results: Path) -> str:
     """Return the whole document as Markdown: figures, tables and sections of the thesis first, then the kept figures in
     the folder `results`, then the methods of the registry. Raises DataError.
     """
     homing = Homing(read_results(results / "homing.csv"))
-    rows = [measured(row, homing) for row in mission_rows()]
+    rows = [standing(measured(row, homing), results) for row in mission_rows()]
     open_rows = sum(row.ours.startswith("open:") for row in rows)
     lines = [
         "# The thesis, row by row",

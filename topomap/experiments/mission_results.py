@@ -51,13 +51,13 @@ class Homing:
 
 
 def sections(folder: Path) -> list[str]:
-    """Return the lines of every section that kept figures tell. Raises DataError where a file is missing or broken."""
+    """Return the lines of every section that kept figures tell; one without a file says so. Raises DataError."""
     homing = Homing(read_results(folder / "homing.csv"))
     return [
         *_rooms(homing),
         *_tables(homing),
         *_orders(homing),
-        *_studies(read_results(folder / "studies.csv")),
+        *_studies(kept(folder / "studies.csv")),
         *_plain(
             folder / "grids.csv",
             "Image grids",
@@ -137,8 +137,15 @@ def _studies(results: Results) -> list[str]:
 Shape = Callable[[Sequence[Mapping[str, str]]], list[str]]
 
 
+def kept(path: Path) -> Results:
+    """Return the figures of a file, none where there is no file yet. Raises DataError for a broken one."""
+    return read_results(path) if path.exists() else Results((), ())
+
+
 def _plain(path: Path, title: str, text: str, shape: Shape | None = None) -> list[str]:
-    results = read_results(path)
+    results = kept(path)
+    if not results.rows:
+        return _heading(title, f"Not run yet: `make results` makes docs/results/{path.name}.", ())[:-1]
     return _heading(title, text, results.commands) + (shape or _as_it_is)(results.rows)
 
 

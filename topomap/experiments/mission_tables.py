@@ -80,4 +80,7 @@ ORDERS = (
     Order("min-warping", "masks-3", "arboreal", "Table 4.1"),
     Order("masks-3", "did", "hall1", "Table 4.1"),
     Order("masks-3", "min-warping", "hall1", "Table 4.1"),
+    Order("moment-ground-rgb", "moment-ground-equal", "ourlab", "Table 3.2"),
+    Order("moment-ground-rgb", "moment-ground-equal", "a1original", "Table 3.3"),
+    Order("moment-rgb", "moment-equal", "ourlab", "Table 3.2"),
 )
