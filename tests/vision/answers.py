@@ -49,8 +49,9 @@ def seen(name: str, pose: Pose2) -> Panorama:
 
 
 def answers(name: str) -> dict[str, Figures]:
-    """Return what one of `names()` needs and says, by the view it was given: bearing, distance, confidence; an aligner's
-    rotation first.
+    """Return what one of `names()` needs, and says by the view it was given: bearing, distance, confidence.
+
+    An aligner says rotation, residual and sharpness first.
     """
     short = name.removeprefix("compass ")
     listed = ALIGNERS[short] if name != short else {**METHODS, **REFERENCE_METHODS, **POLICIES}[name]
