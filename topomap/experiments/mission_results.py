@@ -116,11 +116,14 @@ def _orders(homing: Homing) -> list[str]:
     for order in ORDERS:
         better, worse = (homing.mean(order.room, "given", name) for name in (order.better, order.worse))
         holds = "yes" if better[0] < worse[0] else "no"
+        cause = order.cause
+        if holds == "no" and cause == "-":
+            cause = "not measured: `topomap bench study orderings`"
         if better[1] <= worse[2] and worse[1] <= better[2]:
             holds += ", within the intervals"
         figures = " < ".join(f"{homing.said(order.room, 'given', name)}" for name in (order.better, order.worse))
         said = f"`{order.better}` before `{order.worse}` ({order.source})"
-        lines.append(_line((said, order.room, figures.replace("<", "and"), holds, order.cause)))
+        lines.append(_line((said, order.room, figures.replace("<", "and"), holds, cause)))
     return lines
 
 
