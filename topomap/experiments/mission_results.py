@@ -118,7 +118,7 @@ def _orders(homing: Homing) -> list[str]:
         holds = "yes" if better[0] < worse[0] else "no"
         cause = order.cause
         if holds == "no" and cause == "-":
-            cause = "not measured: `topomap bench study orderings`"
+            cause = "cause not found"
         if better[1] <= worse[2] and worse[1] <= better[2]:
             holds += ", within the intervals"
         figures = " < ".join(f"{homing.said(order.room, 'given', name)}" for name in (order.better, order.worse))

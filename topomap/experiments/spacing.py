@@ -10,7 +10,6 @@ from topomap.core.geometry import Pose2, wrap
 from topomap.core.panorama import Panorama
 from topomap.core.records import Command
 from topomap.core.robot import Reading, Robot
-from topomap.evaluation.journey import REACHED_M
 from topomap.evaluation.statistics import Interval, share_interval
 from topomap.navigation.arrival import Arrival
 from topomap.navigation.manoeuvres.policy_drive import PolicyDrive
@@ -26,6 +25,8 @@ LONGEST, TRIALS = 2.5, 10.0
 """Longest way as a multiple of the direct one, and a policy's, which moves to look."""
 POLICY_REST = 12
 """Looks without a new minimum after which a policy's leg is over: a round of trial moves is up to nine."""
+REACHED = 0.3
+"""[m] What an arrival may miss by."""
 COAST = 5
 """Steps that the robot keeps its direction where the method has no answer."""
 
@@ -168,7 +169,7 @@ def _row(own: Sequence[Course]) -> tuple[str, ...]:
 
 def judged(error: float, errors: list[float]) -> bool:
     """Keep the error [m] of an arrival that was one; return whether it was."""
-    if error > REACHED_M:
+    if error > REACHED:
         return False
     errors.append(error)
     return True
