@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 SAMPLE ?= 60
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 
-.PHONY: demo test lint bench mutate lock clean
+.PHONY: demo test lint bench mutate results lock clean
 .DEFAULT_GOAL := demo
 
 demo: $(VENV)/.run ## drive, map, close the loop, go home; prints where the report and the log lie
@@ -27,6 +27,20 @@ bench: $(VENV)/.bench ## slow studies and timings; writes bench.json
 
 mutate: $(VENV)/.test ## a sample of small mistakes, each to be noticed by a test; all of them: make mutate SAMPLE=0
 	$(BIN)/python -m tests.mutation --sample $(SAMPLE)
+
+KEEP := --keep docs/results
+ROOMS := a1original,screen,arboreal,hall1,ourlab,cylinders
+
+results: $(VENV)/.run ## the figures of docs/results and docs/THESIS.md anew: hours; GRIDS=folders of panoramas
+	for c in given A6; do $(BIN)/topomap bench homing --env $(ROOMS) --seeds 0-4 --every 16 --compass $$c \
+		--starts 0 --no-pictures $(KEEP)/homing.csv || exit 1; done
+	for g in $(GRIDS); do for w in 0.1 0.3 0.5 0.7; do $(BIN)/topomap bench homing --grid $$g --within $$w \
+		--no-pictures $(KEEP)/grids.csv || exit 1; done; done
+	$(BIN)/topomap sweep room-corridor office-loop --seeds 0-9 --set stack.mission.then=stop --out runs/loop
+	$(BIN)/topomap bench loop-rule $$(find runs/loop -name run.mcap | sort) $(KEEP)/loop-rule.csv
+	$(BIN)/topomap bench spacing $(KEEP)/spacing.csv
+	$(BIN)/topomap bench study all --seeds 0-1 --every 8 $(KEEP)/studies.csv
+	$(BIN)/topomap bench mission
 
 lock: $(VENV)/.bench ## constraints.txt from what is installed, after a change of pyproject.toml and a green `make test`
 	( head -1 constraints.txt; $(BIN)/python -m pip list --format=freeze | grep -Ev '^(topomap|pip|setuptools|wheel)=' ) > .lock

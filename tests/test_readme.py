@@ -40,6 +40,7 @@ LESS = {
     "topomap bench graphs": ["--seeds", "0", "--peers", "none"],
     "topomap bench homing --env": ["--starts", "0"],
     "topomap bench homing --grid": ["--methods", "alv"],
+    "topomap bench spacing": ["--apart", "0.5", "--seeds", "0", "--jobs", "1"],
     "topomap bench drive": ["--draws", "1", "--jobs", "1"],
 }
 """What the README leaves at its default is made less here."""

@@ -73,6 +73,19 @@ def test_a_csv_says_where_images_are(tmp_path: Path) -> None:
     assert grid.shots[0].heading == pytest.approx(0.0)
 
 
+def test_a_csv_file_in_a_known_format_is_a_grid_whatever_its_name(tmp_path: Path) -> None:
+    for name in ("a.png", "b.png"):
+        photograph(tmp_path / name, 36)
+    route = tmp_path / "route.csv"
+    route.write_text(f"{ANTWORLD_HEADER}\n1000,2000,10,90,a.png\n1000,2010,10,90,b.png\n")
+    assert load_grid(route).positions == pytest.approx(np.array([[1.0, 2.0], [1.0, 2.01]]))
+    arena = grid_recipe(route).arena()
+    assert arena.spacing == pytest.approx(0.01)
+    route.write_text("x,y\n1,2\n")
+    with pytest.raises(DataError, match=r"route\.csv: its first line isn't"):
+        load_grid(route)
+
+
 @pytest.mark.parametrize(
     ("rows", "message"),
     [

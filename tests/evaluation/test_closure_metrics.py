@@ -107,6 +107,17 @@ def test_recall_judges_at_the_time_of_decision() -> None:
     assert count(false).recall == 0.0
 
 
+def test_what_was_withdrawn_counts_as_ever_false_but_closes_nothing_that_stands() -> None:
+    at = LAP + 160
+    lone = replace(RUN, decisions=(decide(candidate(RUN, at, 160)),))
+    # a pass reaches 0.75 m either way of its node, and nodes lie 0.8 m apart
+    assert 0 < count(lone).recall_standing < count(lone).recall  # type: ignore[operator]
+    true, false = candidate(RUN, at, 160), candidate(RUN, at, 40)
+    gone = (decide(false), decide(true), *(decide(c, Verdict.WITHDRAWN, later=20) for c in (false, true)))
+    found = count(replace(RUN, decisions=gone))
+    assert (found.false, found.false_ever, found.recall_standing) == (0, 1, 0.0)
+
+
 def test_no_possible_closure_has_no_recall() -> None:
     assert count(replace(RUN, nodes=())).recall is None
 

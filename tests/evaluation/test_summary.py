@@ -23,14 +23,14 @@ KEYS = {
     "steps": None,
     "steps_per_s": None,
     "snapshots": None,
-    "closures": {"proposed", "accepted", "false", "gross", "possible", "recall"},
+    "closures": {"proposed", "accepted", "false", "gross", "possible", "recall", "false_ever", "recall_standing"},
     "dead_reckoning_ate_m": {"se2", "sim2"},
     "map_ate_m": {"se2", "sim2"},
     "online_ate_m": {"se2", "sim2"},
     "rotation_scale": {"true", "found", "sigma"},
     "distance_scale": {"true", "found", "sigma"},
     "curvature": {"true", "found", "sigma"},
-    "home": {"asked", "claimed", "within_0_3_m", "error_m", "path_ratio", "collisions"},
+    "home": {"asked", "claimed", "within_0_3_m", "error_m", "path_ratio", "shortest_ratio", "collisions"},
     "trust": {"kept", "way_noise", "turn_noise"},
     "graph_hash": None,
     "topology_hash": None,
@@ -85,7 +85,8 @@ def test_a_run_that_was_stopped_before_its_first_step() -> None:
 
 def test_the_table_says_the_main_things() -> None:
     rows = dict(table_rows(summarise(RUN)))
-    assert rows["closures"] == "3 accepted of 4 proposed, 1 false, 1 gross"
+    assert rows["closures"] == "3 accepted of 4 proposed, 1 false (1 ever), 1 gross"
+    assert rows["recall"].endswith("by standing closures without a margin")
     assert rows["distance scale"].startswith("unobserved")
     assert "within 0.3 m: no" in rows["home"]
 

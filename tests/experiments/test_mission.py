@@ -6,10 +6,13 @@ from pathlib import Path
 import pytest
 
 from topomap.core.errors import DataError
-from topomap.experiments import mission
-from topomap.experiments.mission import mission_rows, mission_table
+from topomap.experiments import STUDIES, mission
+from topomap.experiments.mission import MissionRow, mission_rows, mission_table
+from topomap.experiments.mission_results import Homing
+from topomap.experiments.results import read_results
 
 ROOT = Path(__file__).parents[2]
+RESULTS = ROOT / "docs" / "results"
 FIGURES = {"2": 25, "3": 36, "4": 35, "5": 51, "A": 11}
 TABLES = {"3": 6, "4": 2, "5": 4}
 
@@ -52,4 +55,41 @@ def test_a_row_with_an_empty_cell_or_an_unknown_name_is_refused(monkeypatch: pyt
 
 
 def test_the_document_is_what_the_command_writes() -> None:
-    assert (ROOT / "docs" / "THESIS.md").read_text(encoding="utf8") == mission_table()
+    assert (ROOT / "docs" / "THESIS.md").read_text(encoding="utf8") == mission_table(RESULTS)
+
+
+def test_no_row_sends_the_reader_away_to_find_out() -> None:
+    for row in mission_rows():
+        assert not row.ours.startswith(("open:", "run the stud")), row.item
+
+
+def test_a_row_is_open_as_long_as_the_figures_it_points_to_are_not_kept(tmp_path: Path) -> None:
+    row = MissionRow("9.9", "x", "-", "-", "y", "see The studies: delv and tilt, more")
+    assert mission.standing(row, tmp_path).ours.startswith("open: not run yet: study delv, study tilt, study more; see")
+    (tmp_path / "studies.csv").write_text("study,series\ndelv,a\ntilt,b\nmore,c\n")
+    assert mission.standing(row, tmp_path) == row
+    spaced = MissionRow("9.9", "x", "-", "-", "y", "see Milestone spacing")
+    assert mission.standing(spaced, tmp_path).ours.startswith("open: not run yet: spacing.csv")
+
+
+def test_every_study_that_a_row_points_to_is_one() -> None:
+    for row in mission_rows():
+        for several in mission.POINTS.findall(row.ours):
+            assert {name.strip() for name in re.split(r", | and ", several)} <= set(STUDIES), row.item
+
+
+def test_figures_in_braces_are_those_that_are_kept() -> None:
+    homing = Homing(read_results(RESULTS / "homing.csv"))
+    row = MissionRow("9.9", "x", "-", "-", "y", "ours {ourlab given did}")
+    assert mission.measured(row, homing).ours == f"ours {homing.said('ourlab', 'given', 'did')}"
+    with pytest.raises(DataError, match="has no row ourlab,A6,no-such"):
+        mission.measured(MissionRow("9.9", "x", "-", "-", "y", "{ourlab A6 no-such}"), homing)
+
+
+def test_a_broken_file_of_figures_is_refused(tmp_path: Path) -> None:
+    broken = tmp_path / "a.csv"
+    broken.write_text("# topomap x\na,b\n1\n")
+    with pytest.raises(DataError, match=r"a\.csv: 1: 1 cells under 2 headings"):
+        read_results(broken)
+    with pytest.raises(DataError, match="can't be read"):
+        read_results(tmp_path / "none.csv")

@@ -21,6 +21,9 @@ from topomap.core.names import safe_name
 from topomap.datasets.image_grid import grid_recipe
 from topomap.evaluation.summary import write_whole
 from topomap.experiments import STUDIES, Lab, Study
+from topomap.experiments.results import add_results
+from topomap.experiments.study_rows import HEAD as STUDY_HEAD
+from topomap.experiments.study_rows import study_rows
 from topomap.vision.arena import Point, Recipe
 
 Progress = Callable[[int], None]
@@ -68,19 +71,24 @@ def run_bench(asked: BenchRequest, store: Store, count: int, progress: Progress)
         return bench(asked.recipes, asked.home, asked.contestants, asked.settings, hands, _counting(progress))
 
 
-def write_bench(tables: Sequence[Table], folder: Path) -> list[Path]:
-    """Write every table and its pictures into a folder of its own and return the folders."""
+def write_bench(tables: Sequence[Table], folder: Path, pictures: bool = True) -> list[Path]:
+    """Write every table and, if asked, its pictures into a folder of its own and return the folders."""
     written = []
     for table in tables:
         own = folder / safe_name(f"{table.environment}-{table.compass}")
         own.mkdir(parents=True, exist_ok=True)
         write_table(table, own)
-        for entry, row in zip(table.entries, table.rows, strict=True):
-            if row.unfit is None:
-                save(method_figure(table, entry, row), own / f"{safe_name(row.method)}.png")
-        save(sheet(table), own / "sheet.png")
+        if pictures:
+            _draw(table, own)
         written.append(own)
     return written
+
+
+def _draw(table: Table, folder: Path) -> None:
+    for entry, row in zip(table.entries, table.rows, strict=True):
+        if row.unfit is None:
+            save(method_figure(table, entry, row), folder / f"{safe_name(row.method)}.png")
+    save(sheet(table), folder / "sheet.png")
 
 
 def _grid_seeds(settings: BenchSettings, seeds: str) -> list[int]:
@@ -94,17 +102,31 @@ def available() -> list[Study]:
     return [study for study in STUDIES.values() if known.issuperset(study.environments)]
 
 
-def run_study(name: str, seeds: str, store: Store, count: int, progress: Progress, folder: Path) -> list[Path]:
-    """Make a named study; write its figure and its figures as JSON. Raises DataError for an unknown name."""
+def run_study(
+    name: str,
+    seeds: str,
+    store: Store,
+    count: int,
+    progress: Progress,
+    folder: Path,
+    every: int = 1,
+    keep: Path | None = None,
+) -> list[Path]:
+    """Make a named study; write its figure and its figures as JSON. Raises DataError for an unknown name.
+
+    every: one place of a grid in so many is asked; keep: CSV file that its figures are added to.
+    """
     known = {study.name: study for study in available()}
     if name not in known:
         raise DataError(f"unknown study {name!r}; there are {', '.join(known)}")
     advance = _counting(progress)
     with workers(count, store) as hands:
-        found = known[name].make(Lab(world_recipe, tuple(parse_seeds(seeds)), hands, advance))
+        found = known[name].make(Lab(world_recipe, tuple(parse_seeds(seeds)), hands, advance, every))
     folder.mkdir(parents=True, exist_ok=True)
-    said = {"study": name, "source": known[name].source, "seeds": seeds, "values": found.values}
+    said = {"study": name, "source": known[name].source, "seeds": seeds, "every": every, "values": found.values}
     write_whole(folder / f"{name}.json", json.dumps(said, indent=2, allow_nan=False) + "\n")
+    if keep is not None:
+        add_results(keep, STUDY_HEAD, study_rows(name, found.values), keys=3)
     return [save(found.figure, folder / f"{name}.png"), folder / f"{name}.json"]
 
 

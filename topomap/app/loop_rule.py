@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -25,6 +25,7 @@ class LoopRow:
     the final path and of what was known at each step [m]; None without truth.
     """
 
+    world: str
     who: str
     accepted: int
     false: int | None
@@ -39,6 +40,39 @@ def compare(log: Path, settings: DifferenceRuleSettings) -> tuple[LoopRow, ...]:
     found = map_by_difference(_readings(open_log(log).robot), settings)
     alone = replace(run, decisions=(), final=run.dead_reckoning, online=run.dead_reckoning)
     return _row("dead reckoning", alone), _row("engine", run), _row("rule of 5.2.4", as_run(run, found))
+
+
+HEAD = ("by", "closures", "false", "recall", "ATE [m]", "online [m]")
+"""Columns of `cells`."""
+TALLY = ("world", "by", "drives", "closures", "false", "drives with false", "recall", "ATE [m]", "online [m]")
+"""Columns of `tally`; recall and ATE as their mean and, in brackets, the least and greatest."""
+
+
+def cells(row: LoopRow) -> tuple[str, ...]:
+    """Return a row's cells, under HEAD."""
+    known = (row.false, row.recall, row.ate, row.online)
+    plain = ("-" if v is None else f"{v:.2f}" if isinstance(v, float) else str(v) for v in known)
+    return row.who, str(row.accepted), *plain
+
+
+def tally(rows: Sequence[LoopRow]) -> list[tuple[str, ...]]:
+    """Return a line for each world and way of closing loops, under TALLY."""
+    groups = dict.fromkeys((row.world, row.who) for row in rows)
+    return [_tallied([row for row in rows if (row.world, row.who) == group]) for group in groups]
+
+
+def _tallied(own: list[LoopRow]) -> tuple[str, ...]:
+    false = [row.false for row in own if row.false is not None]
+    spreads = (
+        _spread([v for v in values if v is not None])
+        for values in ([r.recall for r in own], [r.ate for r in own], [r.online for r in own])
+    )
+    closures, wrong = sum(row.accepted for row in own), sum(n > 0 for n in false)
+    return own[0].world, own[0].who, str(len(own)), str(closures), str(sum(false)), str(wrong), *spreads
+
+
+def _spread(values: list[float]) -> str:
+    return f"{sum(values) / len(values):.2f} [{min(values):.2f}, {max(values):.2f}]" if values else "-"
 
 
 def as_run(run: RunData, found: DifferenceMap) -> RunData:
@@ -65,4 +99,4 @@ def _readings(robot: Robot) -> Iterator[Reading]:
 def _row(who: str, run: RunData) -> LoopRow:
     counts = count(run)
     known = None if run.truth is None else [ate(poses, run.truth) for poses in (run.final, run.online)]
-    return LoopRow(who, counts.accepted, counts.false, counts.recall, *(known or (None, None)))
+    return LoopRow(run.world or "-", who, counts.accepted, counts.false, counts.recall, *(known or (None, None)))

@@ -15,6 +15,7 @@ from topomap.evaluation.summary import write_whole
 from topomap.mapping.graph import TopoMap
 from topomap.mapping.mapfile import load_map, save_map
 from topomap.mapping.mapper import MapperSettings
+from topomap.mapping.places.place_groups import group_places
 from topomap.mapping.sessions.cross_claims import CrossClaims
 from topomap.mapping.sessions.merge import Told, merge
 from topomap.mapping.sessions.places import forget_place, name_place, span
@@ -70,6 +71,16 @@ def places(path: Path, add: list[str], remove: list[str]) -> Rows:
     if add or remove:
         save_map(topo, path)
     return [(name, f"node {node}{_position(topo, node)}") for name, node in sorted(topo.places.items())]
+
+
+def groups(path: Path) -> Rows:
+    """Return a map's places as groups of snapshots that look alike and lie together. Raises DataError."""
+    topo = load_map(path)
+    found = group_places(topo)
+    return [
+        (f"place {k}", f"nodes {', '.join(str(topo.names[n]) for n in own)}{_position(topo, topo.names[own[0]])}")
+        for k, own in enumerate(found.members)
+    ]
 
 
 def _position(topo: TopoMap, number: int) -> str:

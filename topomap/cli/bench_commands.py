@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 benches = typer.Typer(help="Measure methods against the truth.", no_args_is_help=True, rich_markup_mode=None)
 OUT = Path("runs") / "bench"
+KEEP = typer.Option(None, help="CSV file that the figures are added to, as under docs/results.")
 
 
 def add_to(app: typer.Typer) -> None:
@@ -41,24 +42,31 @@ def homing(
     ),
     starts: int = typer.Option(8, min=0, help="Places, a seed, from which homing is iterated in the world."),
     within: float | None = typer.Option(None, min=0.01, help="Count only places this near to home [m]."),
+    every: int = typer.Option(1, min=1, help="Ask one place in so many, others for each seed; no catchment then."),
     jobs: int | None = typer.Option(None, min=1, help="Processes [all cores]."),
     fresh: bool = typer.Option(False, "--fresh", help="Measure anew what is known already."),
     out: Path = typer.Option(OUT / "homing", help="Folder for tables and pictures."),
+    keep: Path | None = KEEP,
+    pictures: bool = typer.Option(True, help="Draw vector maps and routes, one picture a method."),
 ) -> None:
     """Home vectors of all methods from every place of a grid: errors, catchment, success, time; with pictures."""
     from topomap.app import bench
     from topomap.app.words import cores
     from topomap.bench.homing.bench import BenchSettings
+    from topomap.bench.homing.table import KEPT, kept_rows
     from topomap.bench.pool import Store, default_folder
+    from topomap.experiments.results import add_results
 
-    settings = BenchSettings(compass=compass, starts=starts, within=within)
+    settings = BenchSettings(compass=compass, starts=starts, within=within, every=every)
     asked = bench.request(env, grid, methods, seeds, home, settings, view)
     store = Store(None if fresh else default_folder())
     with progress("homing", asked.steps) as advance:
         tables = bench.run_bench(asked, store, jobs or cores(), advance)
     for found in tables:
         show(found)
-    for folder in bench.write_bench(tables, out):
+        if keep is not None:
+            add_results(keep, KEPT, kept_rows(found), keys=4)
+    for folder in bench.write_bench(tables, out, pictures):
         console.print(str(folder), soft_wrap=True)
 
 
@@ -92,9 +100,11 @@ def studies() -> None:
 def study(
     name: str = typer.Argument(help="Name of the study (see 'topomap bench studies'), or 'all'."),
     seeds: str = typer.Option("0", help="Seeds, e.g. 0-4."),
+    every: int = typer.Option(1, min=1, help="Ask one place of a grid in so many, others for each seed."),
     jobs: int | None = typer.Option(None, min=1, help="Processes [all cores]."),
     fresh: bool = typer.Option(False, "--fresh", help="Measure anew what is known already."),
     out: Path = typer.Option(OUT / "studies", help="Folder for the figure and its JSON."),
+    keep: Path | None = KEEP,
 ) -> None:
     """Repeat one of the thesis's experiments; write its figure and the figures behind it."""
     from topomap.app import bench
@@ -104,7 +114,7 @@ def study(
     store = Store(None if fresh else default_folder())
     for one in [one.name for one in bench.available()] if name == "all" else [name]:
         with progress(one, None) as advance:
-            written = bench.run_study(one, seeds, store, jobs or cores(), advance, out)
+            written = bench.run_study(one, seeds, store, jobs or cores(), advance, out, every, keep)
         for path in written:
             console.print(str(path), soft_wrap=True)
 
@@ -113,30 +123,61 @@ def study(
 def loop_rule(
     logs: list[Path] = typer.Argument(help="Logs of drives with truth."),
     threshold: float = typer.Option(0.8, min=0.01, help="Summed difference that keeps a snapshot; half of it closes."),
+    keep: Path | None = KEEP,
 ) -> None:
     """Map logged drives by the thesis's rule (5.2.4) and show it beside the closure engine."""
-    from topomap.app.loop_rule import compare
+    from topomap.app.loop_rule import HEAD, TALLY, LoopRow, cells, compare, tally
+    from topomap.experiments.results import add_results
     from topomap.mapping.difference_mapping import DifferenceRuleSettings
 
+    rows = list[LoopRow]()
     for log in logs:
-        rows = compare(log, DifferenceRuleSettings(threshold=threshold))
-        _table(str(log), ("by", "closures", "false", "recall", "ATE [m]", "online [m]"), [
-            (r.who, str(r.accepted), *("-" if v is None else f"{v:.2f}" if isinstance(v, float) else str(v)
-                                       for v in (r.false, r.recall, r.ate, r.online)))
-            for r in rows
-        ])  # fmt: skip
+        found = compare(log, DifferenceRuleSettings(threshold=threshold))
+        _table(str(log), HEAD, [cells(row) for row in found])
+        rows += found
+    if len(logs) > 1:
+        _table(f"{len(logs)} drives", TALLY, tally(rows))
+    if keep is not None:
+        add_results(keep, TALLY, tally(rows), keys=2)
+
+
+@benches.command()
+def spacing(
+    worlds: list[str] = typer.Argument(None, help="Worlds by name or file [room-corridor hall]."),
+    methods: str = typer.Option("all", help="'all' that home, or names, comma-separated."),
+    seeds: str = typer.Option("0-1", help="Seeds of looks, noise and where the way begins."),
+    apart: list[float] = typer.Option([0.5, 0.8, 1.2, 1.8], min=0.3, max=10, help="Spacing [m]; may repeat."),
+    jobs: int | None = typer.Option(None, min=1, help="Processes [all cores]."),
+    fresh: bool = typer.Option(False, "--fresh", help="Measure anew what is known already."),
+    keep: Path | None = KEEP,
+) -> None:
+    """How far milestones may lie apart: the robot goes three of them by a method alone, 0.5 to 1.8 m apart."""
+    from topomap.app.spacing import plan, run_spacing
+    from topomap.app.words import cores, parse_seeds
+    from topomap.bench.pool import Store, default_folder
+    from topomap.experiments.results import add_results
+    from topomap.experiments.spacing import HEAD, tally
+
+    tasks = plan(worlds or ["room-corridor", "hall"], methods, parse_seeds(seeds), apart)
+    with progress("spacing", len(tasks)) as advance:
+        courses = run_spacing(tasks, Store(None if fresh else default_folder()), jobs or cores(), advance)
+    rows = tally(courses)
+    _table("milestones, three in a row", HEAD, rows)
+    if keep is not None:
+        add_results(keep, HEAD, rows, keys=3)
 
 
 @benches.command()
 def mission(
     out: Path = typer.Option(Path("docs") / "THESIS.md", help="File for the table."),
+    results: Path = typer.Option(Path("docs") / "results", help="Folder of the figures that are kept."),
 ) -> None:
     """Write the table of the thesis: every method, figure and table, how it is called, its test, both figures."""
     from topomap.evaluation.summary import write_whole
     from topomap.experiments.mission import mission_table
 
     out.parent.mkdir(parents=True, exist_ok=True)
-    write_whole(out, mission_table())
+    write_whole(out, mission_table(results))
     console.print(str(out), soft_wrap=True)
 
 

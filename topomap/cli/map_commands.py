@@ -85,11 +85,14 @@ def places(
     path: Path = MAP,
     add: list[str] = typer.Option([], metavar="NAME=NODE", help="Name a snapshot node; may repeat."),
     remove: list[str] = typer.Option([], metavar="NAME", help="Take a name away; may repeat."),
+    groups: bool = typer.Option(False, "--groups", help="Show the map's own places: snapshots that look alike."),
 ) -> None:
     """List the named places of a map, which goto:NAME and patrol:NAME,... take; name some, or take names away."""
     from topomap.app import maps
 
     table(maps.places(path, add, remove), str(path))
+    if groups:
+        table(maps.groups(path), "snapshots that look alike and lie together")
 
 
 @mapping.command()

@@ -108,11 +108,15 @@ class ImageGrid:
         return Panorama.from_recorded(image, _rig(image, self._spec))
 
 
-def load_grid(folder: Path, spec_file: Path | None = None) -> ImageGrid:
-    """Read a folder of panoramas on a grid. Raises DataError that names file and line."""
+def load_grid(place: Path, spec_file: Path | None = None) -> ImageGrid:
+    """Read a folder of panoramas on a grid, or a CSV file in a known format beside its panoramas.
+
+    Raises DataError that names file and line.
+    """
+    folder = place.parent if place.is_file() else place
     if not folder.is_dir():
-        raise DataError(f"{folder}: no such folder")
-    spec = _spec(folder, spec_file)
+        raise DataError(f"{place}: no such folder or file")
+    spec = _known(place) if place.is_file() else _spec(folder, spec_file)
     shots = list(_from_csv(folder, spec) if spec.csv else _from_names(folder, spec))
     _check(folder, shots)
     unwrap = None
@@ -122,16 +126,16 @@ def load_grid(folder: Path, spec_file: Path | None = None) -> ImageGrid:
     return ImageGrid(folder.resolve().name, shots, spec, unwrap)
 
 
-def grid_recipe(folder: Path, seed: int = 0) -> Recipe:
-    """Return the recipe of an image grid's arena. Raises DataError."""
-    grid = load_grid(folder)
+def grid_recipe(place: Path, seed: int = 0) -> Recipe:
+    """Return the recipe of the arena of an image grid, a folder or CSV file. Raises DataError."""
+    grid = load_grid(place)
     states = [(shot, shot.path.stat().st_size, shot.path.stat().st_mtime_ns) for shot in grid.shots]
     identity = hashlib.sha256(repr((states, grid._spec)).encode()).hexdigest()
-    return Recipe(grid.name, seed, grid_arena, (str(folder.resolve()),), identity)
+    return Recipe(grid.name, seed, grid_arena, (str(place.resolve()),), identity)
 
 
 def grid_arena(name: str, seed: int, options: tuple[str, ...]) -> Arena:
-    """Return the arena of an image grid; options: its folder. Raises DataError."""
+    """Return the arena of an image grid; options: its folder or CSV file. Raises DataError."""
     grid = load_grid(Path(options[0]))
     return Arena(name, grid, grid.positions, grid.spacing, False, central(grid.positions))
 
@@ -152,12 +156,14 @@ def _spec(folder: Path, spec_file: Path | None) -> GridSpec:
     return spec
 
 
-def _known(folder: Path) -> GridSpec:
-    """Return the spec of a folder in a known format without a spec of its own."""
-    path = folder / str(ANTWORLD.csv)
+def _known(place: Path) -> GridSpec:
+    """Return the spec of a folder, or of a CSV file in it, in a known format without a spec of its own."""
+    path = place if place.is_file() else place / str(ANTWORLD.csv)
     if path.is_file() and path.read_text(encoding="utf8", errors="replace").startswith(ANTWORLD_HEADER):
-        return ANTWORLD
-    raise DataError(f"{folder}: there is no {SPEC_NAME} that says what its images are (see topomap.datasets)")
+        return ANTWORLD.model_copy(update={"csv": path.name})
+    if place.is_file():
+        raise DataError(f"{place}: its first line isn't {ANTWORLD_HEADER}; name its folder, with a {SPEC_NAME}")
+    raise DataError(f"{place}: there is no {SPEC_NAME} that says what its images are (see topomap.datasets)")
 
 
 def _from_csv(folder: Path, spec: GridSpec) -> Iterator[Shot]:

@@ -69,7 +69,11 @@ class Pass:
 class ClosureCounts:
     """Candidates proposed and, by their last verdict, accepted; of the accepted: false and gross; passes
     possible and the share of them recalled. None where the truth is missing; recall also where nothing was
-    possible."""
+    possible.
+
+    false_ever: false ones that were accepted at any time, though perhaps withdrawn later; recall_standing: the share
+    of passes with a closure of the finished map within them, without a margin.
+    """
 
     proposed: int
     accepted: int
@@ -77,6 +81,8 @@ class ClosureCounts:
     gross: int | None
     possible: int | None
     recall: float | None
+    false_ever: int | None = None
+    recall_standing: float | None = None
 
 
 def closures(run: RunData) -> tuple[Closure, ...]:
@@ -160,13 +166,22 @@ def recalled(run: RunData, possible: tuple[Pass, ...]) -> BoolArray:
     that, a pending or refused one doesn't count) has its query stamp within the pass, or within 1 m of true
     travel of it. Which node the closure matched doesn't matter: two neighbouring nodes are one place.
     """
-    true = [c for c in closures(run) if c.once_accepted and c.judgement is not None and not c.judgement.false]
+    return _closed(run, possible, [c for c in closures(run) if c.once_accepted], PASS_MARGIN_M)
+
+
+def recalled_standing(run: RunData, possible: tuple[Pass, ...]) -> BoolArray:
+    """Return, for each of `possible` (P,), whether a true closure of the finished map has its query within it."""
+    return _closed(run, possible, list(accepted(run)), 0.0)
+
+
+def _closed(run: RunData, possible: tuple[Pass, ...], by: list[Closure], margin: float) -> BoolArray:
+    true = [c for c in by if c.judgement is not None and not c.judgement.false]
     if run.truth is None or not true or not possible:
         return np.zeros(len(possible), dtype=np.bool_)
     path = travel(run.truth)
     queries = np.sort([path[step_at(run.stamps_ns, c.candidate.query_ns)] for c in true])
-    before = np.searchsorted(queries, path[[p.first for p in possible]] - PASS_MARGIN_M, side="left")
-    until = np.searchsorted(queries, path[[p.last for p in possible]] + PASS_MARGIN_M, side="right")
+    before = np.searchsorted(queries, path[[p.first for p in possible]] - margin, side="left")
+    until = np.searchsorted(queries, path[[p.last for p in possible]] + margin, side="right")
     return until > before
 
 
@@ -177,7 +192,9 @@ def count(run: RunData) -> ClosureCounts:
     if run.truth is None:
         return ClosureCounts(len(every), len(kept), None, None, None, None)
     judged = [closure.judgement for closure in kept if closure.judgement is not None]
-    closed = recalled(run, passes(run))
+    possible = passes(run)
+    closed, standing = recalled(run, possible), recalled_standing(run, possible)
+    ever = [closure.judgement for closure in every if closure.once_accepted and closure.judgement is not None]
     return ClosureCounts(
         proposed=len(every),
         accepted=len(kept),
@@ -185,4 +202,6 @@ def count(run: RunData) -> ClosureCounts:
         gross=sum(judgement.gross for judgement in judged),
         possible=len(closed),
         recall=float(closed.mean()) if len(closed) else None,
+        false_ever=sum(judgement.false for judgement in ever),
+        recall_standing=float(standing.mean()) if len(standing) else None,
     )

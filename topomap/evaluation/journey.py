@@ -10,6 +10,7 @@ import numpy as np
 from topomap.core.arrays import FloatArray
 from topomap.core.run_data import NodeData, RunData
 from topomap.evaluation.closures import runs_of
+from topomap.evaluation.shortest import shortest_way
 from topomap.evaluation.trajectory import travel, true_pose
 
 REACHED_M = 0.3
@@ -21,7 +22,8 @@ class HomeResult:
 
     claimed: the robot said it arrived; within: the last true position lies within 0.3 m of where the goal
     node was truly taken; error: that distance [m]; path_ratio: true path after hand-over over
-    `reference_route`, None for a way that didn't lead home; collisions: contact episodes (contiguous steps in
+    `reference_route`, shortest_ratio: over the shortest way on the true plan, both None for a way that didn't lead
+    home; collisions: contact episodes (contiguous steps in
     contact) that begin after hand-over.
     A replay is open loop: all None.
     """
@@ -32,6 +34,7 @@ class HomeResult:
     error: float | None = None
     path_ratio: float | None = None
     collisions: int | None = None
+    shortest_ratio: float | None = None
 
 
 def handover_step(run: RunData) -> int | None:
@@ -72,8 +75,9 @@ def home(run: RunData) -> HomeResult:
     error = _error(run)
     within = None if error is None else error <= REACHED_M
     # a way that didn't lead home has no ratio: the nearer the robot gave up, the better it would look
-    ratio = _path_ratio(run) if run.claimed and within is not False else None
-    return HomeResult(True, run.claimed, within, error, ratio, _collisions(run))
+    came = run.claimed and within is not False
+    ratio, shortest = (_path_ratio(run), _shortest_ratio(run)) if came else (None, None)
+    return HomeResult(True, run.claimed, within, error, ratio, _collisions(run), shortest)
 
 
 def _error(run: RunData) -> float | None:
@@ -91,6 +95,15 @@ def _path_ratio(run: RunData) -> float | None:
         return None
     shortest = float(travel(route)[-1])
     return float(travel(run.truth[start:])[-1]) / shortest if shortest > 0.0 else None
+
+
+def _shortest_ratio(run: RunData) -> float | None:
+    end, start = goal(run), handover_step(run)
+    if run.truth is None or start is None or end is None or not np.isfinite(run.truth[:, :2]).all():
+        return None
+    places = run.truth[:, :2]
+    shortest = shortest_way(run.plan, places, places[start], true_pose(run, end.stamp_ns)[:2])
+    return float(travel(run.truth[start:])[-1]) / shortest if shortest else None
 
 
 def _collisions(run: RunData) -> int | None:

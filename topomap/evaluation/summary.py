@@ -45,6 +45,8 @@ def summarise(run: RunData) -> Summary:
             "gross": closures.gross,
             "possible": closures.possible,
             "recall": _number(closures.recall),
+            "false_ever": closures.false_ever,
+            "recall_standing": _number(closures.recall_standing),
         },
         "dead_reckoning_ate_m": _ates(run, run.dead_reckoning),
         "map_ate_m": _ates(run, run.final),
@@ -58,6 +60,7 @@ def summarise(run: RunData) -> Summary:
             "within_0_3_m": way.within,
             "error_m": _number(way.error),
             "path_ratio": _number(way.path_ratio),
+            "shortest_ratio": _number(way.shortest_ratio),
             "collisions": way.collisions,
         },
         "trust": {

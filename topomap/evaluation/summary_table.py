@@ -18,7 +18,7 @@ def table_rows(summary: Summary) -> list[tuple[str, str]]:
         ("speed", f"{_text(summary['steps_per_s'], '.0f')} steps/s"),
         ("snapshots", _text(summary["snapshots"])),
         ("closures", _closures(closures)),
-        ("recall", f"{_share(closures['recall'])} of {_text(closures['possible'])} possible"),
+        ("recall", _recall(closures)),
         ("dead reckoning ATE", _ate(_part(summary, "dead_reckoning_ate_m"))),
         ("online ATE", _ate(_part(summary, "online_ate_m"))),
         ("map ATE", _ate(_part(summary, "map_ate_m"))),
@@ -60,8 +60,16 @@ def _share(value: object) -> str:
 
 def _closures(part: Part) -> str:
     return (
-        f"{part['accepted']} accepted of {part['proposed']} proposed, {_text(part['false'])} false,"
-        f" {_text(part['gross'])} gross"
+        f"{part['accepted']} accepted of {part['proposed']} proposed, {_text(part['false'])} false"
+        f" ({_text(part['false_ever'])} ever), {_text(part['gross'])} gross"
+    )
+
+
+def _recall(part: Part) -> str:
+    """Say the share of passes closed at any time within 1 m, and by what stands within the pass itself."""
+    return (
+        f"{_share(part['recall'])} of {_text(part['possible'])} possible,"
+        f" {_share(part['recall_standing'])} by standing closures without a margin"
     )
 
 
@@ -93,5 +101,6 @@ def _home(part: Part) -> str:
     said = "claimed" if part["claimed"] is True else "not claimed"
     return (
         f"{said}, within 0.3 m: {_text(part['within_0_3_m'])}, error {_text(part['error_m'], '.2f')} m,"
-        f" path ratio {_text(part['path_ratio'], '.2f')}, collisions {_text(part['collisions'])}"
+        f" path ratio {_text(part['path_ratio'], '.2f')} (of the shortest way {_text(part['shortest_ratio'], '.2f')}),"
+        f" collisions {_text(part['collisions'])}"
     )

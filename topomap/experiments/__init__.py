@@ -11,6 +11,7 @@ from topomap.experiments import (
     moments,
     moved,
     occlusion,
+    orderings,
     positions,
     ring,
     routes,
@@ -66,6 +67,13 @@ STUDIES: dict[str, Study] = {
         Study("occlusion", "3.34", "does homing bear hidden objects?", (), occlusion.occlusion),
         Study("moved-objects", "3.35, 3.36", "does homing bear moved objects?", (), moved.moved_objects),
         Study("hall-mission", "5.50, 5.51", "do three methods come home in the hall?", ("hall",), hall.hall_missions),
+        Study(
+            "orderings",
+            "Tables 3.1-5.3",
+            "why do methods rank otherwise here?",
+            ("a1original", "hall1", "ourlab"),
+            orderings.orderings,
+        ),
         Study("delv", "5.33", "which DELV, how fine its distances?", ORIGINAL, images.delv),
     )
 }

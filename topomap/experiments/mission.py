@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import astuple, dataclass
+import re
+from dataclasses import astuple, dataclass, replace
+from pathlib import Path
 
 from topomap.core.errors import DataError
 from topomap.experiments import STUDIES
+from topomap.experiments.mission_results import Homing, kept, sections
 from topomap.experiments.mission_rows import ROWS
+from topomap.experiments.results import read_results
 from topomap.vision.compass import ALIGNERS
 from topomap.vision.homing import METHODS, POLICIES, REFERENCE_METHODS
 from topomap.vision.registry import Entry, entries
@@ -53,9 +57,37 @@ def mission_rows() -> list[MissionRow]:
     return rows
 
 
-def mission_table() -> str:
-    """Return the whole table as Markdown: figures, tables and sections first, then the methods of the registry."""
-    rows = mission_rows()
+def measured(row: MissionRow, homing: Homing) -> MissionRow:
+    """Return a row whose figures in braces, as in {ourlab A6 did}, are those that are kept. Raises DataError."""
+
+    def said(found: re.Match[str]) -> str:
+        environment, compass, method = found[1].split()
+        homing.mean(environment, compass, method)
+        return homing.said(environment, compass, method)
+
+    return replace(row, ours=re.sub(r"\{([^}]+)\}", said, row.ours))
+
+
+POINTS = re.compile(r"[Tt]he studies[:,] ([a-z0-9, -]+)")
+SECTIONS = {"see The loop-closing rule": "loop-rule.csv", "see Milestone spacing": "spacing.csv"}
+"""What rows point to, and the file of figures that it is made of."""
+
+
+def standing(row: MissionRow, results: Path) -> MissionRow:
+    """Return a row that says it is open where the figures it points to aren't kept yet. Raises DataError."""
+    there = {one["study"] for one in kept(results / "studies.csv").rows}
+    told = [name.strip() for found in POINTS.findall(row.ours) for name in re.split(r", | and ", found)]
+    missing = [f"study {name}" for name in told if name not in there]
+    missing += [file for said, file in SECTIONS.items() if said in row.ours and not kept(results / file).rows]
+    return replace(row, ours=f"open: not run yet: {', '.join(missing)}; {row.ours}") if missing else row
+
+
+def mission_table(results: Path) -> str:
+    """Return the whole document as Markdown: figures, tables and sections of the thesis first, then the kept figures in
+    the folder `results`, then the methods of the registry. Raises DataError.
+    """
+    homing = Homing(read_results(results / "homing.csv"))
+    rows = [standing(measured(row, homing), results) for row in mission_rows()]
     open_rows = sum(row.ours.startswith("open:") for row in rows)
     lines = [
         "# The thesis, row by row",
@@ -66,6 +98,7 @@ def mission_table() -> str:
         _line(HEAD),
         _line(["---"] * len(HEAD)),
         *(_line([row.item, row.what, _call(row), _test(row), row.thesis, row.ours]) for row in rows),
+        *sections(results),
         "",
         "## Methods",
         "",
@@ -83,6 +116,8 @@ def _line(cells: tuple[str, ...] | list[str]) -> str:
 
 def _call(row: MissionRow) -> str:
     kind, names = row.names
+    if kind == "command":
+        return f"`{row.called.removeprefix('command ')}`"
     if kind not in COMMAND:
         return row.called
     joined = ",".join(names) if kind == "method" else " / ".join(names)

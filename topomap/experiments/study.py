@@ -24,12 +24,16 @@ SHAPES = ("o", "s", "^", "D", "v", "P", "X", "*")
 
 @dataclass(frozen=True, slots=True)
 class Lab:
-    """Where studies are made: recipes of environments by name, seeds, and the workers that measure."""
+    """Where studies are made: recipes of environments by name, seeds, and the workers that measure.
+
+    every: one place of a grid in so many is asked, others for each seed.
+    """
 
     recipe: Callable[[str, int, tuple[str, ...]], Recipe]
     seeds: tuple[int, ...]
     workers: Workers
     advance: Callable[[], None]
+    every: int = 1
 
     def recipes(self, environment: str, options: tuple[str, ...] = ()) -> list[Recipe]:
         """Return an environment's recipe for every seed; options: of the views. Raises DataError for unknown ones."""
@@ -54,7 +58,7 @@ class Lab:
         compass: str = GIVEN,
     ) -> Table:
         """Return the homing table of contestants over recipes of one environment, over the grid only."""
-        settings = BenchSettings(starts=0, compass=compass)
+        settings = BenchSettings(starts=0, compass=compass, every=self.every)
         return bench(recipes, home, contestants, settings, self.workers, self.advance)[0]
 
     def rows(
@@ -192,14 +196,14 @@ def binned(values: FloatArray, by: FloatArray, edges: Sequence[float]) -> list[F
 
 def row_values(row: Row) -> dict[str, JsonValue]:
     """Return a row's figures as plain JSON values, none for a method that doesn't fit."""
-    if row.mean is None or row.below_45 is None or row.catchment is None:
+    if row.mean is None or row.below_45 is None:
         return {}
     return {
         "mean_deg": round(row.mean.value, 4),
         "low": round(row.mean.low, 4),
         "high": round(row.mean.high, 4),
         "below_45": round(row.below_45.value, 4),
-        "catchment": round(row.catchment.value, 4),
+        "catchment": None if row.catchment is None else round(row.catchment.value, 4),
         "places": row.places,
     }
 

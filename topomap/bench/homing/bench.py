@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import BaseModel, Field
 
 from topomap.bench.homing.contestant import GIVEN, Contestant, compass
-from topomap.bench.homing.field import FieldTask, HomeField, Survey, SurveyTask, Turns, TurnsTask, grid_walks
+from topomap.bench.homing.field import FieldTask, HomeField, Survey, SurveyTask, Turns, TurnsTask, asked, grid_walks
 from topomap.bench.homing.walk import Walk, WalkSettings
 from topomap.bench.pool import Workers
 from topomap.core.arrays import BoolArray, FloatArray
@@ -33,6 +33,7 @@ class BenchSettings(BaseModel, frozen=True, extra="forbid"):
     starts: int = Field(8, ge=0, le=1000, description="positions from which homing is iterated in the world, a seed")
     walking: WalkSettings = Field(default_factory=WalkSettings, description="how the robot is moved")
     within: float | None = Field(None, gt=0, description="count only places at most this far from home [m]")
+    every: int = Field(1, ge=1, description="ask one place in so many, others for each seed; no catchment then")
     draws: int = Field(2000, ge=100, le=100_000, description="resamples of the bootstrap")
 
 
@@ -40,7 +41,7 @@ class BenchSettings(BaseModel, frozen=True, extra="forbid"):
 class Ground:
     """One seed of one environment with its home: recipe, survey, home [m] and the compass at every position.
 
-    within [m]: only places this near to home count.
+    within [m]: only places this near to home count; every: one place in so many was asked.
     """
 
     recipe: Recipe
@@ -48,13 +49,19 @@ class Ground:
     home: Point
     turns: Turns
     within: float = math.inf
+    every: int = 1
+
+    @property
+    def asked(self) -> BoolArray:
+        """Which positions (N,) were asked for home: never home itself."""
+        true = bearings_home(self.survey.positions, self.home)
+        return np.isfinite(true) & asked(len(true), self.every, self.recipe.seed)
 
     @property
     def away(self) -> BoolArray:
-        """Which positions (N,) count: all but home itself."""
-        near = np.hypot(*(self.survey.positions - np.asarray(self.home)).T) <= self.within + 1e-9
-        away: BoolArray = near & np.isfinite(bearings_home(self.survey.positions, self.home))
-        return away
+        """Which positions (N,) count: what was asked within the distance that counts."""
+        near: BoolArray = np.hypot(*(self.survey.positions - np.asarray(self.home)).T) <= self.within + 1e-9
+        return near & self.asked
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -81,7 +88,9 @@ class Entry:
         return float(np.concatenate(given).mean())
 
     def grid_walks(self) -> list[Walk]:
-        """Return the walks through the vector fields, from all places but home."""
+        """Return the walks through the vector fields, from all places but home; none where not all were asked."""
+        if any(g.every > 1 for g in self.grounds):
+            return []
         pairs = zip(self.grounds, self.fields, strict=True)
         return [walk for g, f in pairs for walk in grid_walks(g.survey, g.home, f.directions, g.away)]
 
@@ -152,15 +161,17 @@ def bench(
     aligner = compass(settings.compass)
     surveys = workers.run([SurveyTask(recipe) for recipe in recipes], advance)
     homes = [_home(survey, home) for survey in surveys]
-    turns = workers.run([TurnsTask(r, h, aligner) for r, h in zip(recipes, homes, strict=True)], advance)
+    turns = workers.run(
+        [TurnsTask(r, h, aligner, settings.every) for r, h in zip(recipes, homes, strict=True)], advance
+    )
     near = settings.within or math.inf
-    grounds = [Ground(*row, near) for row in zip(recipes, surveys, homes, turns, strict=True)]
-    asked = [
-        FieldTask(g.recipe, g.home, contestant, aligner, settings.starts, settings.walking, g.turns)
+    grounds = [Ground(*row, near, settings.every) for row in zip(recipes, surveys, homes, turns, strict=True)]
+    wanted = [
+        FieldTask(g.recipe, g.home, contestant, aligner, settings.starts, settings.walking, g.turns, settings.every)
         for g in grounds
         for contestant in contestants
     ]
-    fields = workers.run(asked, advance)
+    fields = workers.run(wanted, advance)
     by_ground = [fields[k : k + len(contestants)] for k in range(0, len(fields), len(contestants))]
     names = dict.fromkeys(recipe.name for recipe in recipes)
     return [_table(name, grounds, by_ground, contestants, settings) for name in names]
@@ -238,11 +249,11 @@ def _row(entry: Entry, errors: FloatArray, behind: Interval, reach: float) -> Ro
         share_interval(int(np.sum((errors >= 45.0) & (errors < 90.0))), count),
         share_interval(int(np.sum(errors >= 90.0)), count),
         entry.answered(),
-        share_interval(sum(walk.reached for walk in grid), len(grid)),
+        share_interval(sum(walk.reached for walk in grid), len(grid)) if grid else None,
         success,
         ratio,
         behind,
-        float(np.median(np.concatenate([f.ms for f in entry.fields]))),
+        float(np.nanmedian(np.concatenate([f.ms for f in entry.fields]))),
     )
 
 
@@ -260,4 +271,4 @@ def _rank(row: Row) -> float:
 def _compass(grounds: Sequence[Ground]) -> tuple[Interval, float]:
     wrong = [np.abs(np.degrees(wrap_all(g.turns.rotations - g.turns.headings)))[g.away] for g in grounds]
     ms = np.concatenate([g.turns.ms for g in grounds])
-    return mean_interval(np.concatenate(wrong)), float(np.median(ms))
+    return mean_interval(np.concatenate(wrong)), float(np.nanmedian(ms))

@@ -35,7 +35,10 @@ class Survey:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Turns:
-    """The compass at every position: true headings (N,) of the views, rotations found (N,) [rad], milliseconds (N,)."""
+    """The compass at every position: true headings (N,) of the views, rotations found (N,) [rad], milliseconds (N,).
+
+    Where nobody asked it the heading is the rotation, and milliseconds are NaN.
+    """
 
     headings: FloatArray
     rotations: FloatArray
@@ -44,8 +47,8 @@ class Turns:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class HomeField:
-    """What one method answers: directions (N,) of home in the world [rad] (NaN: no answer), milliseconds (N,) a pair,
-    walks in the continuous world; unfit: why the method can't be used here, else None.
+    """What one method answers: directions (N,) of home in the world [rad] (NaN: no answer), milliseconds (N,) a pair
+    (NaN: not asked), walks in the continuous world; unfit: why the method can't be used here, else None.
     """
 
     directions: FloatArray
@@ -79,11 +82,12 @@ class TurnsTask:
     recipe: Recipe
     home: Point
     aligner: Aligner | None
+    every: int = 1
 
     @property
     def key(self) -> str:
         """All that decides the result."""
-        return f"turns {_place(self.recipe)} {self.home} {self.aligner!r}"
+        return f"turns {_place(self.recipe)} {self.home} {self.aligner!r} {self.every}"
 
     def perform(self) -> Turns:
         """Return headings and rotations."""
@@ -93,8 +97,8 @@ class TurnsTask:
             return Turns(np.zeros(count), np.zeros(count), np.zeros(count))
         goal = view_at(arena.goal_source, arena.at(arena.index(self.home)))
         headings = random_headings(self.recipe.seed, count, goal.rig.width)
-        rotations, ms = np.empty(count), np.empty(count)
-        for i, seen in enumerate(_views(self.recipe, headings)):
+        rotations, ms = headings.copy(), np.full(count, np.nan)
+        for i, seen in _views(self.recipe, headings, self.every):
             start = time.perf_counter()
             rotations[i] = self.aligner.align(seen, goal).rotation
             ms[i] = 1e3 * (time.perf_counter() - start)
@@ -105,7 +109,7 @@ class TurnsTask:
 class FieldTask:
     """Ask one method at every position of a grid, then walk home from `starts` of them.
 
-    turns: the compass there, as `TurnsTask` found it; aligner: the same compass, for the walks.
+    turns: the compass there, as `TurnsTask` found it; aligner: the same compass, for the walks; every: see `asked`.
     """
 
     recipe: Recipe
@@ -115,11 +119,12 @@ class FieldTask:
     starts: int = 0
     walking: WalkSettings = field(default_factory=WalkSettings)
     turns: Turns | None = field(default=None, compare=False)
+    every: int = 1
 
     @property
     def key(self) -> str:
         """All that decides the result."""
-        walking = f"{self.starts} {self.walking!r}"
+        walking = f"{self.starts} {self.walking!r} {self.every}"
         return f"field {_place(self.recipe)} {self.home} {self.contestant.key} {self.aligner!r} {walking}"
 
     def perform(self) -> HomeField:
@@ -135,7 +140,7 @@ class FieldTask:
         if self.contestant.policy is not None:
             nothing = np.full(count, np.nan)
             return HomeField(nothing, nothing, self._walks(arena, goal, bound))
-        directions, ms = _ask(bound, self.recipe, turns)
+        directions, ms = _ask(bound, self.recipe, turns, self.every)
         return HomeField(directions, ms, self._walks(arena, goal, bound))
 
     def _walks(self, arena: Arena, goal: Panorama, bound: Bound) -> tuple[Walk, ...]:
@@ -181,26 +186,35 @@ def grid_walks(survey: Survey, home: Point, directions: FloatArray, starts: Bool
     return [walk for walk, counts in zip(walks, starts, strict=True) if counts]
 
 
-def _ask(bound: Bound, recipe: Recipe, turns: Turns) -> tuple[FloatArray, FloatArray]:
+def asked(count: int, every: int, seed: int) -> BoolArray:
+    """Return which of a grid's positions (N,) are asked: one in `every`, strewn over the grid, others for each seed."""
+    order = np.random.default_rng(np.random.SeedSequence([count, 0xA5CED])).permutation(count)
+    chosen: BoolArray = np.zeros(count, bool)
+    chosen[order[seed % every :: every]] = True
+    return chosen
+
+
+def _ask(bound: Bound, recipe: Recipe, turns: Turns, every: int) -> tuple[FloatArray, FloatArray]:
     count = len(turns.headings)
-    directions, ms = np.empty(count), np.empty(count)
-    for i, seen in enumerate(_views(recipe, turns.headings)):
+    directions, ms = np.full(count, np.nan), np.full(count, np.nan)
+    for i, seen in _views(recipe, turns.headings, every):
         start = time.perf_counter()
         directions[i] = bound.direction(seen, float(turns.headings[i]), float(turns.rotations[i]))
         ms[i] = 1e3 * (time.perf_counter() - start)
     return directions, ms
 
 
-def _views(recipe: Recipe, headings: FloatArray) -> list[Panorama]:
-    """Return the views, without anything that an earlier method derived from them."""
-    kept = _rendered(recipe, tuple(headings.tolist()))
-    return [Panorama(p.image, p.ranges, p.rig) for p in kept]
+def _views(recipe: Recipe, headings: FloatArray, every: int) -> list[tuple[int, Panorama]]:
+    """Return the asked positions and their views, without anything that an earlier method derived from them."""
+    kept = _rendered(recipe, tuple(headings.tolist()), every)
+    return [(i, Panorama(p.image, p.ranges, p.rig)) for i, p in kept]
 
 
 @lru_cache(maxsize=1)
-def _rendered(recipe: Recipe, headings: tuple[float, ...]) -> list[Panorama]:
+def _rendered(recipe: Recipe, headings: tuple[float, ...], every: int) -> list[tuple[int, Panorama]]:
     arena = recipe.arena()
-    return [view_at(arena.source, arena.at(i), heading) for i, heading in enumerate(headings)]
+    chosen = np.flatnonzero(asked(len(headings), every, recipe.seed)).tolist()
+    return [(i, view_at(arena.source, arena.at(i), headings[i])) for i in chosen]
 
 
 def _place(recipe: Recipe) -> str:

@@ -37,7 +37,7 @@ def vector_map(axes: Axes, entry: Entry, ground: int = 0, margin: float = AROUND
     directions = entry.fields[ground].directions
     _background(axes, survey.plan, survey.positions, survey.spacing, margin)
     true = bearings_home(survey.positions, home)
-    asked = np.isfinite(true)
+    asked = entry.grounds[ground].asked
     told = asked & np.isfinite(directions)
     silent = survey.positions[asked & ~told]
     axes.plot(silent[:, 0], silent[:, 1], ".", color=style.GREY, markersize=2.5, zorder=3)
@@ -171,12 +171,9 @@ def _colours(figure: Figure, panels: Sequence[Axes]) -> None:
 
 
 def _errors_said(row: Row) -> str:
-    if row.mean is None or row.below_45 is None or row.catchment is None:
+    if row.mean is None or row.below_45 is None:
         return ""
-    return (
-        f"mean error {row.mean.value:.1f}°, below 45° {100 * row.below_45.value:.0f} %,"
-        f" catchment {100 * row.catchment.value:.0f} %"
-    )
+    return f"mean error {row.mean.value:.1f}°, below 45° {100 * row.below_45.value:.0f} %" + _catchment_said(row)
 
 
 def _walks_said(entry: Entry, row: Row) -> str:
@@ -186,6 +183,8 @@ def _walks_said(entry: Entry, row: Row) -> str:
 
 
 def _brief(row: Row) -> str:
-    if row.mean is None or row.catchment is None:
-        return ""
-    return f"{row.mean.value:.1f}°, catchment {100 * row.catchment.value:.0f} %"
+    return "" if row.mean is None else f"{row.mean.value:.1f}°" + _catchment_said(row)
+
+
+def _catchment_said(row: Row) -> str:
+    return "" if row.catchment is None else f", catchment {100 * row.catchment.value:.0f} %"

@@ -80,6 +80,36 @@ def as_json(table: Table) -> dict[str, JsonValue]:
     }
 
 
+KEPT = ("environment", "compass", "method", "within", "seeds", "n", "mean", "low", "high", "below_45", "ms")
+"""Columns of `kept_rows`."""
+
+
+def kept_rows(table: Table) -> list[tuple[str, ...]]:
+    """Return what is kept of a table in the repository, under `KEPT`: errors in degrees, shares, milliseconds.
+
+    within [m]: only places this near to home counted, "" for all of them.
+    """
+    seeds = " ".join(map(str, table.seeds))
+    return [
+        (table.environment, table.compass, r.method, _within(table), seeds, str(r.places), *_figures(r))
+        for r in table.rows
+        if r.mean is not None
+    ]
+
+
+def _within(table: Table) -> str:
+    metres = min(ground.within for entry in table.entries for ground in entry.grounds)
+    return "" if metres == float("inf") else f"{metres:g}"
+
+
+def _figures(row: Row) -> tuple[str, ...]:
+    assert row.mean is not None
+    assert row.below_45 is not None
+    assert row.ms is not None
+    errors = (f"{v:.2f}" for v in (row.mean.value, row.mean.low, row.mean.high))
+    return *errors, f"{row.below_45.value:.3f}", f"{row.ms:.3g}"
+
+
 def write_table(table: Table, folder: Path) -> list[Path]:
     """Write table.json and table.csv into a folder and return their paths."""
     text = io.StringIO()
