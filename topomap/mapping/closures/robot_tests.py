@@ -5,8 +5,8 @@ from __future__ import annotations
 from itertools import accumulate, pairwise
 from typing import NamedTuple
 
-from topomap.mapping.closures.closure_tests import AtPlace, ClosureTest, Gate, Looks, Supported
-from topomap.mapping.closures.sight_tests import BY_SIGHT, BY_SPOT
+from topomap.mapping.closures.closure_tests import AtPlace, Beside, ClosureTest, Gate, Looks, Supported
+from topomap.mapping.closures.sight_tests import BY_SIGHT, BY_SPOT, MOST_APART
 
 GATE = 0.95  # share of true closures that odometry lets pass
 
@@ -19,7 +19,7 @@ class RobotTests(NamedTuple):
 
     sight: tuple[ClosureTest, ...] = BY_SIGHT
     spot: tuple[ClosureTest, ...] = BY_SPOT
-    place: tuple[ClosureTest, ...] = (Looks(), AtPlace(), Gate(GATE))
+    place: tuple[ClosureTest, ...] = (Looks(), AtPlace(), Beside(MOST_APART), Gate(GATE))
     company: tuple[ClosureTest, ...] = (Supported(),)
 
     def all(self) -> tuple[ClosureTest, ...]:
