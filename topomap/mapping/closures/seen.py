@@ -15,8 +15,8 @@ class Seen:
 
     difference (n,): of the images at the best rotation, and limit (n,) above which nothing would have been proposed;
     cost (n,): of the alignment, ratio (n,) to that of the best rival, 0 where none was compared, and usual (n,), that
-    of places seen again lately, infinite where too few were; compared (n,): whether odometry allowed the place; clear (n,): whether its image alone
-    tells it from all others more clearly than chance does.
+    of places seen again lately, infinite where too few were; compared (n,): whether odometry allowed the place;
+    clear (n,): whether its image alone tells it from all others more clearly than chance does.
     """
 
     difference: FloatArray

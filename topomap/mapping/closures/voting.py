@@ -68,7 +68,8 @@ class Voting:
         told = self._map.pose(a.match) @ a.relative @ way
         found = self._map.pose(b.match) @ b.relative
         error = told.to(found)
-        allowed = max(DISTANCE, UNSURE * math.hypot(_sigma(a), _sigma(b))) + SHARE * abs(self._travel(b) - self._travel(a))
+        unsure = max(DISTANCE, UNSURE * math.hypot(_sigma(a), _sigma(b)))
+        allowed = unsure + SHARE * abs(self._travel(b) - self._travel(a))
         return math.hypot(error.x, error.y) <= allowed and abs(error.heading) <= ANGLE
 
     def _travel(self, candidate: Candidate) -> float:
