@@ -49,7 +49,7 @@ class ClosingSettings(BaseModel, frozen=True, extra="forbid"):
 
 
 class Clear(NamedTuple):
-    """What the images' differences tell of a place: its own over the likest other place's, and a log likelihood ratio."""
+    """What the images tell of a place: its difference over the likest other place's, and a log likelihood ratio."""
 
     ratio: float
     looks: float

@@ -117,7 +117,7 @@ class OdometryWatch:
 
 
 def _change(now: Panorama, before: Panorama, turn: float) -> tuple[float, float]:
-    """Return the rms difference of two views, turned by the odometry's turn or nearly: median over sectors, and whole."""
+    """Return how two views differ (rms), turned by the odometry's turn or nearly: median over sectors, and whole."""
     a, b = signature(now), signature(before)
     columns = a.pixels.shape[1]
     frequencies = np.arange(a.spectrum.shape[1])
