@@ -29,15 +29,9 @@ def test_half_of_the_difference_tells_the_length_in_any_scale(scale: float) -> N
     assert seen(scale, 0.1).length == pytest.approx(0.45 * scale, rel=0.3)
 
 
-def test_a_view_that_differs_more_lies_farther_off_and_none_nearer_than_views_can_tell() -> None:
-    catchment = seen(10.0)
-    assert catchment.away(0.82) == pytest.approx(8.0, rel=0.15)
-    assert catchment.away(0.12) == pytest.approx(catchment.length)
-    assert catchment.other == pytest.approx(1.0, abs=0.01)
-
-
 def test_nothing_is_known_at_first_and_a_few_odd_views_bend_nothing() -> None:
-    assert Catchment().length == Catchment().away(0.5) == 0.0
+    assert Catchment().length == Catchment().other == 0.0
+    assert seen(10.0).other == pytest.approx(1.0, abs=0.01)
     odd = seen(1.0)
     for _ in range(FEWEST):
         odd.learn(0.03, 1.2)

@@ -140,7 +140,8 @@ class AtPlace:
         covariance = claims.covariance.copy()
         covariance[:, 2, 2] = ANY_HEADING
         chi2, determinant = mahalanobis(replace(claims, covariance=covariance), knowledge.poses, knowledge.errors)
-        spot = SAME_PLACE**2 + (claims.covariance[:, 0, 0] + claims.covariance[:, 1, 1]) / 2.0
+        unsure = (claims.covariance[:, 0, 0] + claims.covariance[:, 1, 1]) / 2.0
+        spot = np.maximum(SAME_PLACE**2, unsure)  # what sight can't tell apart is one spot
         expected = math.pi * spot * np.exp(-chi2 / 2) / (2 * math.pi * np.sqrt(determinant))
         return np.log(np.expm1(np.clip(expected, math.log1p(1 / CERTAIN), math.log1p(CERTAIN))))
 

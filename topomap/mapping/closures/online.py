@@ -163,8 +163,7 @@ class Closing:
         if objection := self._objection(candidate, seen, self._stages[0]):
             return [self._engine.decide(stamp_ns, candidate, Verdict.REFUSED, objection)]
         place = self._view_cache.panorama(outcome.winner.match.node)
-        away = self._catchment.away(outcome.winner.match.difference)
-        offset = self._offset.measure(outcome.winner, place, proposal.moment.panorama, away)
+        offset = self._offset.measure(outcome.winner, place, proposal.moment.panorama, self._catchment.length)
         candidate = replace(candidate, relative=offset.relative, covariance=offset.covariance)
         candidate = _with(candidate, share=offset.share)
         self._usual.learn(outcome.winner.alignment.residual)

@@ -52,12 +52,12 @@ class RelativePoseEstimator:
         self.same_spot = _diagonal(settings.position_sigma, HEADING_SIGMA)
         self._floor, self._seen_floor = _diagonal(*SCAN_FLOOR), _diagonal(*SEEN_FLOOR)
 
-    def measure(self, look: Look, place: Panorama | None, view: Panorama, away: float = 0.0) -> Offset:
+    def measure(self, look: Look, place: Panorama | None, view: Panorama, catchment: float = 0.0) -> Offset:
         """Return the offset of a view from the place it was compared with; None: that place kept no view.
 
-        away: how far off views are that differ so much [m]; the spot is believed no more exactly than that.
+        catchment: way over which views are alike [m]; the same spot is believed no more exactly than that.
         """
-        same_spot = _diagonal(max(self._sigma, away / math.sqrt(2.0)), HEADING_SIGMA)
+        same_spot = _diagonal(max(self._sigma, catchment / math.sqrt(2.0)), HEADING_SIGMA)
         spot = np.array([0.0, 0.0, look.alignment.rotation])
         match, floor = self._match(look, place, view)
         if match is None:

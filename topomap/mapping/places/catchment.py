@@ -2,8 +2,8 @@
 
 Every new snapshot is compared with older ones at ways back that grow by a factor, and every step with the snapshot
 before it. The median difference by way is a curve that rises from what noise alone makes to what any two places differ
-by. It tells how far away a view may have been taken that differs so much, and over which way views are alike at all:
-a few centimetres in grass, metres under trees far off, whatever the camera and its size.
+by. It tells over which way views are alike: a few centimetres in grass, metres under trees far off, whatever the camera
+and its size.
 """
 
 from __future__ import annotations
@@ -23,15 +23,13 @@ KEPT = 60
 FEWEST = 6
 """Differences before a bin counts; each counts by how many it holds, so that a row of look-alike doors or a dark first
 view doesn't bend the curve."""
-LEAST = 1.0
-"""Share of the catchment that a view is off by at least: of the same photographs' best matches half are."""
 HALF = 0.5
 """Share of the difference between any two places up to which views are alike: half of it is reached at 0.06 m in grass
 and at 0.75 m in photographs of a park."""
 
 
 class Catchment:
-    """Learns differences by way and tells ways by difference."""
+    """Learns differences by way and tells over which way views are alike."""
 
     def __init__(self) -> None:
         self._bins: dict[int, deque[float]] = {}
@@ -56,13 +54,6 @@ class Catchment:
         """What views of two places far apart differ by, 0 while it isn't known."""
         _, differences = self._known()
         return float(differences[-1]) if len(differences) else 0.0
-
-    def away(self, difference: float) -> float:
-        """Return how far off a view that differs so much may be taken, along the drive [m]; 0 while it isn't known."""
-        ways, differences = self._known()
-        if not len(ways):
-            return 0.0
-        return max(_way(difference, ways, differences), LEAST * self.length)
 
     def _known(self) -> tuple[FloatArray, FloatArray]:
         """Return ways [m] and the differences (n,) at them, both rising."""
