@@ -12,7 +12,7 @@ from bisect import bisect_left, insort
 
 import numpy as np
 
-from topomap.core.arrays import FloatArray
+from topomap.core.arrays import Float32Array, FloatArray
 
 FEWEST = 8
 """Views before anything is told."""
@@ -31,7 +31,7 @@ class Contrast:
     def __init__(self) -> None:
         self._chance: list[float] = []  # rising
 
-    def learn(self, differences: FloatArray, places: FloatArray, apart: float) -> None:
+    def learn(self, differences: FloatArray | Float32Array, places: FloatArray, apart: float) -> None:
         """Take a view's differences (n,) to places (n, 2) [m] where it wasn't taken; two that lie `apart` are two."""
         if not len(differences):
             return
