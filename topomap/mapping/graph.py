@@ -84,6 +84,15 @@ class TopoMap:
         self._join(last, new, increments)
         return new
 
+    def pose_at(self, stamp_ns: int) -> Pose2:
+        """Return the pose at a stamp between the first node and the last."""
+        place = bisect_left(self.chain, stamp_ns, key=lambda node: self.nodes[node].stamp_ns)
+        if self.nodes[self.chain[place]].stamp_ns == stamp_ns:
+            return self.pose(self.chain[place])
+        a, b = self.chain[place - 1], self.chain[place]
+        whole = self._increments[a, b]
+        return Pose2.of(self._steps(a, b, whole)[int(np.searchsorted(whole.stamps_ns, stamp_ns))])
+
     def insert(self, stamp_ns: int) -> int:
         """Return the node at a stamp, splitting the odometry edge it lies on if there is none yet."""
         place = bisect_left(self.chain, stamp_ns, key=lambda node: self.nodes[node].stamp_ns)

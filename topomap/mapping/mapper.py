@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
 from pydantic import BaseModel, Field
 
 from topomap.core.geometry import Pose2
@@ -65,8 +66,9 @@ class Mapper:
         self._rule = make_rule(settings.snapshots)
         self.recognition = Recognition(settings.recognition)
         self._closing = Closing(
-            settings.closing, aligner, self.track, self.view_cache, self.ledger, self.optimisation, tests
-        )
+            settings.closing, aligner, self.track, self.view_cache, self.ledger, self.optimisation, tests,
+            self.recognition.catchment, self.recognition.contrast,
+        )  # fmt: skip
         self._watch = OdometryWatch()
         self._previous: Panorama | None = None
         self._last_snapshot = -1
@@ -129,7 +131,7 @@ class Mapper:
     @property
     def handled(self) -> bool:
         """Whether the view turned in this step as no wheel did: somebody turned the robot, or more."""
-        return self._watch.turn is not None
+        return self._watch.turned
 
     @property
     def located(self) -> int:
@@ -221,6 +223,7 @@ class Mapper:
         if broken:
             self._gap = node
         if taught:
+            self._learn_contrast(panorama)
             self._remember(node, panorama)
         return (NodeAdded(node, reading.stamp_ns, self.map.pose(node), taught, reason),)
 
@@ -237,6 +240,17 @@ class Mapper:
             return "on the way" if travelled >= self._settings.max_travel else None
         to_previous = rotation_difference(signature(panorama), signature(self._previous))[0]
         return self._rule.judge(View(difference, to_previous, travelled))
+
+    def _learn_contrast(self, panorama: Panorama) -> None:
+        """Learn how clearly one of other places can win, from those that odometry excludes, while it is known."""
+        nodes = self.recognition.nodes()
+        if self.lost or self._gap is not None or not len(nodes):
+            return
+        apart = self._closing.apart
+        near = set(self._closing.within_reach(nodes).tolist())
+        away = np.hypot(*(self.map.poses[nodes, :2] - self.track.pose.array()[:2]).T)
+        elsewhere = nodes[[node not in near for node in nodes.tolist()] & (away > apart)]
+        self.recognition.learn_contrast(panorama, elsewhere, self.map.poses[elsewhere, :2], apart)
 
     def _remember(self, node: int, panorama: Panorama) -> None:
         self.view_cache.put(node, panorama)

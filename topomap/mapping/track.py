@@ -86,6 +86,18 @@ class Track:
         jump, self._jump = self._jump, False
         return self.map.add(Node(stamp_ns, travel, snapshot), increments, jump)
 
+    def pose_at(self, stamp_ns: int) -> Pose2:
+        """Return the pose at a stamp that the robot has been at."""
+        last = self.map.chain[-1]
+        if stamp_ns <= self.map.nodes[last].stamp_ns:
+            return self.map.pose_at(stamp_ns)
+        pose = self.map.pose(last)
+        for stamp, motion in zip(self._stamps, self._motions, strict=True):
+            if stamp > stamp_ns:
+                break
+            pose = advance(pose, self.map.calibration.correct(motion))
+        return pose
+
     def restart(self) -> None:
         """Continue from the last node as it stands now: after the map was moved."""
         self.pose = self.map.pose(self.map.chain[-1])

@@ -13,7 +13,9 @@ from topomap.mapping.closures.sight_tests import MOST_RATIO
 from topomap.vision.contracts import Aligner
 
 RIVAL_DISTANCE = 1.5
-"""[m] A node this far from the winner is another place: twice the way in which a true revisit may lie aside."""
+"""[m] A node this far from the winner is another place: twice the way in which a true revisit may lie aside ..."""
+APART = 2.5
+"""... or so many catchments, where that is more: nearer, views are alike because they show the same."""
 
 FEW = 2
 """Rivals that are compared only to learn what places elsewhere cost: each takes as long as a place within reach."""
@@ -30,12 +32,13 @@ class Look:
 @dataclass(frozen=True, slots=True)
 class Outcome:
     """The winner; its cost over the best rival's, 0 where there is none; the median cost of other places, NaN where
-    there is none.
+    there is none; what was compared of the winner's own place, itself included, the most alike first.
     """
 
     winner: Look
     ratio: float
     elsewhere: float
+    alike: tuple[Look, ...] = ()
 
 
 class Appearance:
@@ -51,11 +54,13 @@ class Appearance:
         rivals: Sequence[PlaceMatch],
         panorama: Callable[[int], Panorama],
         distance: Callable[[int, int], float],
+        catchment: float = 0.0,
     ) -> Outcome:
         """Compare `view` with each place (at least one) and with rivals until one of these spoils the best's chances.
 
-        distance: between two nodes on the map [m].
+        distance: between two nodes on the map [m]; catchment: way over which views are alike [m], 0 for unknown.
         """
+        far = apart(catchment)
 
         def look(place: PlaceMatch) -> Look:
             return Look(place, self._aligner.align(view, panorama(place.node), place.rotation))
@@ -63,9 +68,9 @@ class Appearance:
         looks = sorted(map(look, places), key=_cost)
         for rival in rivals:
             looks = sorted([*looks, look(rival)], key=_cost)
-            if _outcome(looks, distance).ratio > MOST_RATIO:
+            if _outcome(looks, distance, far).ratio > MOST_RATIO:
                 break
-        return _outcome(looks, distance)
+        return _outcome(looks, distance, far)
 
     def elsewhere(
         self,
@@ -74,20 +79,28 @@ class Appearance:
         rivals: Sequence[PlaceMatch],
         panorama: Callable[[int], Panorama],
         distance: Callable[[int, int], float],
+        catchment: float = 0.0,
     ) -> float:
         """Return the median cost of `view` at the first two rivals that are other places, NaN for none."""
-        others = [rival for rival in rivals if distance(rival.node, winner.match.node) > RIVAL_DISTANCE][:FEW]
+        far = apart(catchment)
+        others = [rival for rival in rivals if distance(rival.node, winner.match.node) > far][:FEW]
         costs = [self._aligner.align(view, panorama(rival.node), rival.rotation).residual for rival in others]
         return float(np.median(costs)) if costs else np.nan
 
 
-def _outcome(looks: Sequence[Look], distance: Callable[[int, int], float]) -> Outcome:
-    """Return what comparisons, the most alike first, tell."""
+def apart(catchment: float) -> float:
+    """Return how far from one another two places are that the views tell apart [m]."""
+    return max(RIVAL_DISTANCE, APART * catchment)
+
+
+def _outcome(looks: Sequence[Look], distance: Callable[[int, int], float], far: float) -> Outcome:
+    """Return what comparisons, the most alike first, tell; places farther from one another than `far` [m] are two."""
     winner = looks[0]
-    elsewhere = [_cost(k) for k in looks if distance(k.match.node, winner.match.node) > RIVAL_DISTANCE]
+    elsewhere = [_cost(k) for k in looks if distance(k.match.node, winner.match.node) > far]
+    alike = tuple(k for k in looks if distance(k.match.node, winner.match.node) <= far)
     if not elsewhere:
-        return Outcome(winner, 0.0, np.nan)
-    return Outcome(winner, _cost(winner) / max(elsewhere[0], 1e-9), float(np.median(elsewhere)))
+        return Outcome(winner, 0.0, np.nan, alike)
+    return Outcome(winner, _cost(winner) / max(elsewhere[0], 1e-9), float(np.median(elsewhere)), alike)
 
 
 def _cost(look: Look) -> float:

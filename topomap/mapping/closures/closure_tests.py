@@ -18,6 +18,7 @@ from topomap.mapping.closures.odds import (
     log_crowding,
     log_density,
     mahalanobis,
+    relative_covariances,
 )
 from topomap.mapping.closures.seen import Seen
 
@@ -139,8 +140,40 @@ class AtPlace:
         covariance = claims.covariance.copy()
         covariance[:, 2, 2] = ANY_HEADING
         chi2, determinant = mahalanobis(replace(claims, covariance=covariance), knowledge.poses, knowledge.errors)
-        expected = math.pi * SAME_PLACE**2 * np.exp(-chi2 / 2) / (2 * math.pi * np.sqrt(determinant))
+        unsure = (claims.covariance[:, 0, 0] + claims.covariance[:, 1, 1]) / 2.0
+        spot = np.maximum(SAME_PLACE**2, unsure)  # what sight can't tell apart is one spot
+        expected = math.pi * spot * np.exp(-chi2 / 2) / (2 * math.pi * np.sqrt(determinant))
         return np.log(np.expm1(np.clip(expected, math.log1p(1 / CERTAIN), math.log1p(CERTAIN))))
+
+
+@dataclass(frozen=True, slots=True)
+class Beside:
+    """Refuses a claim whose two spots lie apart by what it measured and odometry together: near a place isn't at it.
+
+    Where views change slowly many places look like the very one, and odometry tells better which of them it is.
+    """
+
+    most: float
+    name: str = "beside"
+    lowers: bool = True
+
+    def weigh(self, claims: Claims, knowledge: Knowledge) -> FloatArray:
+        """Return 0 or minus infinity (n,)."""
+        return np.where(self._apart(claims, knowledge) > self.most, -np.inf, 0.0)
+
+    def reason(self, claims: Claims, knowledge: Knowledge) -> str:
+        """Say how far apart a single claim's spots are."""
+        apart = float(self._apart(claims, knowledge)[0])
+        return f"beside it rather than there: {apart:.1f} m apart by odometry and sight (at most {self.most:g})"
+
+    def _apart(self, claims: Claims, knowledge: Knowledge) -> FloatArray:
+        """Return how far apart the spots of n claims are [m]: the mean of both, each by its covariance."""
+        own = claims.covariance[:, :2, :2]
+        both = own + relative_covariances(claims, knowledge.poses, knowledge.errors)[:, :2, :2]
+        missed = between(knowledge.poses[claims.i], knowledge.poses[claims.j])[:, :2] - claims.relative[:, :2]
+        mean = claims.relative[:, :2] + (own @ np.linalg.solve(both, missed[:, :, None]))[:, :, 0]
+        unsure = np.sqrt(own[:, 0, 0] + own[:, 1, 1])  # within it, sight says nothing of where
+        return np.maximum(np.hypot(mean[:, 0], mean[:, 1]), np.minimum(np.hypot(missed[:, 0], missed[:, 1]), unsure))
 
 
 @dataclass(frozen=True, slots=True)

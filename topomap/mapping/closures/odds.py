@@ -31,6 +31,14 @@ def mahalanobis(claims: Claims, poses: FloatArray, errors: FloatArray) -> tuple[
     return np.asarray(found[0]), np.asarray(found[1])
 
 
+def relative_covariances(claims: Claims, poses: FloatArray, errors: FloatArray) -> FloatArray:
+    """Return covariances (n, 3, 3) of `i_from_j` by a map with poses (N, 3); errors (n, 3, 3) as above."""
+    found = np.empty((len(claims), 3, 3))
+    for n, (i, j) in enumerate(zip(claims.i.tolist(), claims.j.tolist(), strict=True)):
+        seen_from(errors[n], poses[i, 2], poses[j, 0], poses[j, 1], found[n])
+    return found
+
+
 @njit(cache=True)
 def _mahalanobis(
     i: FloatArray, j: FloatArray, claimed: FloatArray, covariance: FloatArray, blind: BoolArray, poses: FloatArray,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from pydantic import BaseModel, Field
@@ -13,7 +14,7 @@ from topomap.core.arrays import IntArray
 from topomap.core.evidence import Evidence
 from topomap.core.geometry import Pose2
 from topomap.core.records import Candidate, Decision, Verdict
-from topomap.mapping.closures.appearance import Appearance, Outcome
+from topomap.mapping.closures.appearance import APART, Appearance, Outcome, apart
 from topomap.mapping.closures.claims import Claims
 from topomap.mapping.closures.closure_tests import ClosureTest, Knowledge
 from topomap.mapping.closures.engine import ClosureEngine
@@ -27,6 +28,8 @@ from topomap.mapping.closures.seen import Seen
 from topomap.mapping.closures.voting import Voting
 from topomap.mapping.optimisation import Optimisation
 from topomap.mapping.optimizer.problem import ClosureEdge
+from topomap.mapping.places.catchment import Catchment
+from topomap.mapping.places.contrast import Contrast
 from topomap.mapping.places.recognition import Proposal
 from topomap.mapping.places.view_cache import ViewCache
 from topomap.mapping.track import Track
@@ -34,7 +37,9 @@ from topomap.mapping.uncertainty.reachability import Reachability
 from topomap.vision.contracts import Aligner
 
 REACH = 0.99  # probability that the true place is among those compared
-ALONE = 1.2  # [m] where odometry knows the place better than this, it leaves no other
+ALONE = 1.2  # [m] where odometry knows the place better than this, or than views tell places apart, it leaves no other
+EQUALLY = 0.35  # share of the difference between any two places below which one view is as good as another
+SLOW = 0.7  # [m] catchment from which on that happens: snapshots lie 0.25 to 1 m apart
 
 
 class ClosingSettings(BaseModel, frozen=True, extra="forbid"):
@@ -42,6 +47,16 @@ class ClosingSettings(BaseModel, frozen=True, extra="forbid"):
 
     certainty: float = Field(0.5, gt=0, lt=1, description="a closure less probable than this waits for others to agree")
     offset: RelativePoseSettings = Field(default_factory=RelativePoseSettings)
+
+
+class Clear(NamedTuple):
+    """What the images tell of a place: its difference over the likest other place's, and a log likelihood ratio."""
+
+    ratio: float
+    looks: float
+
+
+UNCLEAR = Clear(math.inf, -math.inf)
 
 
 class Closing:
@@ -56,8 +71,12 @@ class Closing:
         ledger: Ledger,
         optimisation: Optimisation,
         tests: Sequence[ClosureTest] | RobotTests = (),
+        catchment: Catchment | None = None,
+        contrast: Contrast | None = None,
     ) -> None:
-        """tests: a user's own, asked before odometry, or all of them."""
+        """tests: a user's own, asked before odometry, or all of them; catchment: how fast views change; contrast: how
+        clearly one of other places wins.
+        """
         own = tests if isinstance(tests, RobotTests) else RobotTests(place=(*tests, *RobotTests().place))
         self._track, self._map, self._view_cache = track, track.map, view_cache
         self._optimisation = optimisation
@@ -70,7 +89,14 @@ class Closing:
         self._voting = Voting(track.map)
         self._testimonies: list[tuple[Candidate, bool, str]] = []
         self._unsaid: list[Decision] = []
+        self._catchment = Catchment() if catchment is None else catchment
+        self._contrast = Contrast() if contrast is None else contrast
         self._reachability = Reachability(track.map, optimisation, settings.offset.position_sigma, REACH)
+
+    @property
+    def apart(self) -> float:
+        """How far from one another two places are that the views tell apart [m]."""
+        return apart(self._catchment.length)
 
     def within_reach(self, nodes: IntArray) -> IntArray:
         """Return those of some older nodes (n,) at which odometry allows the robot to be now."""
@@ -121,20 +147,24 @@ class Closing:
         Where odometry leaves several places open, the true one may not be on the map at all: then what looks alike
         elsewhere, out of reach, tells how much a likeness is worth.
         """
-        open_places = self._reachability.reach(proposal.places[0].node) > ALONE
+        catchment = self._catchment.length
+        open_places = self._reachability.reach(proposal.places[0].node) > max(ALONE, APART * catchment)
         near = {place.node for place in proposal.places}
         rivals = [rival for rival in proposal.rivals if open_places and rival.node not in near]
         outcome = self._appearance.compare(
-            proposal.moment.panorama, proposal.places, rivals, self._view_cache.panorama, self._map.length
+            proposal.moment.panorama, proposal.places, rivals, self._view_cache.panorama, self._map.length, catchment
         )
-        looks = self._looks.of(self._elsewhere(proposal, outcome), open_places)
-        seen = self._seen(proposal, outcome)
+        outcome = self._nearest(proposal.moment.stamp_ns, outcome)
+        clear = self._clear(proposal, outcome)
+        outcome = replace(outcome, ratio=min(outcome.ratio, clear.ratio))
+        looks = max(self._looks.of(self._elsewhere(proposal, outcome), open_places), clear.looks)
+        seen = self._seen(proposal, outcome, clear.looks > 0.0)
         rotated = Pose2(0.0, 0.0, outcome.winner.alignment.rotation)
         candidate = self._candidate(proposal, outcome, rotated, looks)
         if objection := self._objection(candidate, seen, self._stages[0]):
             return [self._engine.decide(stamp_ns, candidate, Verdict.REFUSED, objection)]
         place = self._view_cache.panorama(outcome.winner.match.node)
-        offset = self._offset.measure(outcome.winner, place, proposal.moment.panorama)
+        offset = self._offset.measure(outcome.winner, place, proposal.moment.panorama, self._catchment.length)
         candidate = replace(candidate, relative=offset.relative, covariance=offset.covariance)
         candidate = _with(candidate, share=offset.share)
         self._usual.learn(outcome.winner.alignment.residual)
@@ -142,19 +172,47 @@ class Closing:
             return [self._engine.decide(stamp_ns, candidate, Verdict.REFUSED, objection)]
         return self._by_odometry(stamp_ns, candidate, seen, open_places)
 
+    def _nearest(self, stamp_ns: int, outcome: Outcome) -> Outcome:
+        """Return an outcome whose winner is the place, of those equally alike, that lies nearest by odometry.
+
+        Where the view changes slowly several snapshots show the same, and which of them is the most alike is chance.
+        """
+        best = outcome.winner.match.difference
+        limit = max(best, EQUALLY * self._catchment.other)
+        equal = [look for look in outcome.alike if look.match.difference <= limit]
+        if len(equal) < 2 or self._catchment.length < SLOW:
+            return outcome
+        here = self._track.pose_at(stamp_ns)
+        return replace(outcome, winner=min(equal, key=lambda look: self._away(here, look.match.node)))
+
+    def _away(self, here: Pose2, node: int) -> float:
+        there = self._map.pose(node)
+        return math.hypot(there.x - here.x, there.y - here.y)
+
     def _elsewhere(self, proposal: Proposal, outcome: Outcome) -> Outcome:
         """Return an outcome with what places elsewhere cost, looked up where that isn't known at all yet."""
         if self._looks.known or np.isfinite(outcome.elsewhere):
             return outcome
         cost = self._appearance.elsewhere(
-            proposal.moment.panorama, outcome.winner, proposal.rivals, self._view_cache.panorama, self._map.length
-        )
+            proposal.moment.panorama, outcome.winner, proposal.rivals, self._view_cache.panorama, self._map.length,
+            self._catchment.length,
+        )  # fmt: skip
         return replace(outcome, elsewhere=cost)
 
-    def _seen(self, proposal: Proposal, outcome: Outcome) -> Seen:
+    def _clear(self, proposal: Proposal, outcome: Outcome) -> Clear:
+        """Return what the images' differences alone tell."""
+        match = outcome.winner.match
+        others = [value for node, value in proposal.older.items() if self._map.length(node, match.node) > self.apart]
+        if not others:
+            return UNCLEAR
+        rival = min(others)
+        looks = self._contrast.log_ratio(match.difference, rival)
+        return Clear(match.difference / max(rival, 1e-9), looks) if looks > 0.0 else UNCLEAR
+
+    def _seen(self, proposal: Proposal, outcome: Outcome, clear: bool) -> Seen:
         match, cost = outcome.winner.match, outcome.winner.alignment.residual
         compared = match.node in proposal.moment.difference
-        return Seen.of_one(match.difference, proposal.limit, cost, outcome.ratio, self._usual.value, compared)
+        return Seen.of_one(match.difference, proposal.limit, cost, outcome.ratio, self._usual.value, compared, clear)
 
     def _candidate(self, proposal: Proposal, outcome: Outcome, relative: Pose2, looks: float) -> Candidate:
         match, cost = outcome.winner.match, outcome.winner.alignment.residual
@@ -189,7 +247,7 @@ class Closing:
         if failed >= 0:
             reason = self._engine.reason(claim, knowledge, failed)
             return [self._engine.decide(stamp_ns, candidate, Verdict.REFUSED, reason)]
-        if open_places:
+        if open_places and not (seen.clear[0] and odds >= self._alone):
             return self._vote(stamp_ns, candidate, "odometry leaves several places open")
         if odds < self._alone:
             return self._vote(stamp_ns, candidate, f"it may as well be a look-alike (log odds {odds:.1f})")

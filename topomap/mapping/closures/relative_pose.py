@@ -48,16 +48,21 @@ class RelativePoseEstimator:
     """
 
     def __init__(self, settings: RelativePoseSettings) -> None:
+        self._sigma = settings.position_sigma
         self.same_spot = _diagonal(settings.position_sigma, HEADING_SIGMA)
         self._floor, self._seen_floor = _diagonal(*SCAN_FLOOR), _diagonal(*SEEN_FLOOR)
 
-    def measure(self, look: Look, place: Panorama | None, view: Panorama) -> Offset:
-        """Return the offset of a view from the place it was compared with; None: that place kept no view."""
+    def measure(self, look: Look, place: Panorama | None, view: Panorama, catchment: float = 0.0) -> Offset:
+        """Return the offset of a view from the place it was compared with; None: that place kept no view.
+
+        catchment: way over which views are alike [m]; the same spot is believed no more exactly than that.
+        """
+        same_spot = _diagonal(max(self._sigma, catchment / math.sqrt(2.0)), HEADING_SIGMA)
         spot = np.array([0.0, 0.0, look.alignment.rotation])
         match, floor = self._match(look, place, view)
         if match is None:
-            return Offset(Pose2.of(spot), self.same_spot, 0.0)
-        measured, believed = np.linalg.inv(match.covariance + floor), np.linalg.inv(self.same_spot)
+            return Offset(Pose2.of(spot), same_spot, 0.0)
+        measured, believed = np.linalg.inv(match.covariance + floor), np.linalg.inv(same_spot)
         covariance = np.linalg.inv(measured + believed)
         away = match.relative - spot
         away[2] = wrap(float(away[2]))

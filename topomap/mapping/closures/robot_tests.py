@@ -5,9 +5,9 @@ from __future__ import annotations
 from itertools import accumulate, pairwise
 from typing import NamedTuple
 
-from topomap.mapping.closures.closure_tests import AtPlace, ClosureTest, Looks
+from topomap.mapping.closures.closure_tests import AtPlace, Beside, ClosureTest, Looks
 from topomap.mapping.closures.gates import Gate, Supported
-from topomap.mapping.closures.sight_tests import BY_SIGHT, BY_SPOT
+from topomap.mapping.closures.sight_tests import BY_SIGHT, BY_SPOT, MOST_APART
 
 GATE = 0.95  # share of true closures that odometry lets pass
 
@@ -20,7 +20,7 @@ class RobotTests(NamedTuple):
 
     sight: tuple[ClosureTest, ...] = BY_SIGHT
     spot: tuple[ClosureTest, ...] = BY_SPOT
-    place: tuple[ClosureTest, ...] = (Looks(), AtPlace(), Gate(GATE))
+    place: tuple[ClosureTest, ...] = (Looks(), AtPlace(), Beside(MOST_APART), Gate(GATE))
     company: tuple[ClosureTest, ...] = (Supported(),)
 
     def all(self) -> tuple[ClosureTest, ...]:

@@ -33,7 +33,7 @@ def _seen(knowledge: Knowledge) -> Seen:
 
 @dataclass(frozen=True, slots=True)
 class Alike:
-    """Refuses a place that can't be aligned with the view."""
+    """Refuses a place that can't be aligned with the view, unless its image alone tells it from all others."""
 
     most: float = MOST_COST
     name: str = "alike"
@@ -41,7 +41,7 @@ class Alike:
 
     def weigh(self, claims: Claims, knowledge: Knowledge) -> FloatArray:
         """Return 0 or minus infinity (n,)."""
-        return _refused(_seen(knowledge).cost > self.most)
+        return _refused((_seen(knowledge).cost > self.most) & ~_seen(knowledge).clear)
 
     def reason(self, claims: Claims, knowledge: Knowledge) -> str:
         """Say why of one claim."""

@@ -11,6 +11,7 @@ from topomap.mapping.graph import TopoMap
 VOTES = 3.0  # clear closures that must agree, the new one included
 CLEAR = 0.75  # a vote counts fully if its place costs this share of its rival
 WITHIN = 8.0  # [m] way on which they must come
+UNSURE = 0.8  # sigmas of two positions that they may disagree by: 0.4 m for two that nothing measured
 DISTANCE, SHARE = 0.4, 0.05  # [m] how far they may disagree, and more by this share of the way between them
 ANGLE = math.radians(10.0)  # [rad] how far their rotations may disagree
 
@@ -67,9 +68,15 @@ class Voting:
         told = self._map.pose(a.match) @ a.relative @ way
         found = self._map.pose(b.match) @ b.relative
         error = told.to(found)
-        allowed = DISTANCE + SHARE * abs(self._travel(b) - self._travel(a))
+        unsure = max(DISTANCE, UNSURE * math.hypot(_sigma(a), _sigma(b)))
+        allowed = unsure + SHARE * abs(self._travel(b) - self._travel(a))
         return math.hypot(error.x, error.y) <= allowed and abs(error.heading) <= ANGLE
 
     def _travel(self, candidate: Candidate) -> float:
         assert candidate.query is not None
         return self._map.nodes[candidate.query].travel
+
+
+def _sigma(candidate: Candidate) -> float:
+    """Return the error of a candidate's position [m]."""
+    return math.sqrt(float(candidate.covariance[0, 0] + candidate.covariance[1, 1]) / 2.0)

@@ -5,29 +5,35 @@ from __future__ import annotations
 from array import array
 from bisect import bisect_right
 from collections import deque
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from pydantic import BaseModel, Field
 
-from topomap.core.arrays import IntArray
+from topomap.core.arrays import FloatArray, IntArray
 from topomap.core.panorama import Panorama
 from topomap.core.records import PlaceMatch
+from topomap.mapping.places.catchment import Catchment, steps_back
+from topomap.mapping.places.contrast import Contrast
 from topomap.mapping.places.place_index import PlaceIndex
 from topomap.vision.image.compare import RotationDifferences, Signature, signature
 
 MEMORY = 300
 """Steps over which the usual difference is taken: 30 m at 0.1 m a step, so that it follows
 from a room into a corridor and isn't one view's."""
-LAG = 2
-"""Steps to either side over which the difference has its minimum: 0.4 m in all, over which the difference
-rises by 0.3 or more in all worlds looked at."""
+LAG, LONGEST, LEAST = 2, 12, 0.1
+"""Steps to either side over which the difference has its minimum: as many as make 0.1 m at least, of which a robot of
+0.1 m a step takes two (the difference rises by 0.3 or more over them in all worlds looked at)."""
 SHORTLIST = 8
 """Most similar nodes that are compared in detail, by min-warping: each costs a step as much time again."""
 COMPARED = 400
 """Nodes within reach that are compared; of more, the most similar, so that no step grows with the map."""
 PAUSE = 0.3
 """[m] Way between proposals: closer ones see the same pair of nodes."""
+
+FAR = 2.5
+"""A place left so many catchments ago is another one: by then the view differs from it as from any (at 2 to 3 in grass,
+photographs and rooms)."""
 
 THRESHOLD = 0.95
 """Nothing is proposed above this share of the median difference to other places: true revisits differ by 0.1 to 0.7 of
@@ -60,27 +66,32 @@ class Proposal:
     """A moment at which the best place within reach looked most alike.
 
     places: the likeliest ones within reach; rivals: the likeliest ones anywhere; limit: the image difference above
-    which nothing would have been proposed.
+    which nothing would have been proposed; older: differences to all older places, or to many of them, by node.
     """
 
     moment: Moment
     places: tuple[PlaceMatch, ...]
     rivals: tuple[PlaceMatch, ...]
     limit: float
+    older: dict[int, float] = field(default_factory=dict)
 
 
 class Recognition:
     """Compares every view with the older snapshots at all rotations, and proposes at local minima.
 
-    index: the views of all snapshots so far.
+    index: the views of all snapshots so far; catchment: how fast views change along the drive;
+    contrast: how clearly one of other places wins.
     """
 
     def __init__(self, settings: RecognitionSettings) -> None:
         self._s = settings
         self.index = PlaceIndex()
+        self.catchment = Catchment()
+        self.contrast = Contrast()
         self._nodes = array("q")
         self._travel: list[float] = []
-        self._recent: deque[Moment] = deque(maxlen=2 * LAG + 1)
+        self._recent: deque[Moment] = deque(maxlen=2 * LONGEST + 1)
+        self._count = self._examined = 0  # moments
         self._usual: deque[float] = deque(maxlen=MEMORY)
         self._last_proposal = -np.inf
 
@@ -90,7 +101,9 @@ class Recognition:
 
     def add(self, node: int, travel: float, panorama: Panorama) -> None:
         """Make a snapshot node findable; `travel` is the raw odometer way at it [m]."""
-        self.index.add(signature(panorama))
+        view = signature(panorama)
+        self._learn_change(view, travel, steps_back(travel - self._travel[0]) if self._travel else [])
+        self.index.add(view)
         self._nodes.append(node)
         self._travel.append(travel)
 
@@ -98,6 +111,13 @@ class Recognition:
         """Make a node of a loaded map findable, and learn from it how different other places look."""
         self._learn(signature(panorama), travel)
         self.add(node, travel, panorama)
+
+    def learn_contrast(self, panorama: Panorama, elsewhere: IntArray, positions: FloatArray, apart: float) -> None:
+        """Learn from a view and nodes (n,) at positions (n, 2) [m] where it surely wasn't taken."""
+        some = slice(None, None, max(1, -(-len(elsewhere) // COMPARED)))
+        places = np.searchsorted(np.array(self._nodes), elsewhere[some])
+        differences = self.index.compare(signature(panorama), places).difference
+        self.contrast.learn(differences, positions[some], apart)
 
     def old_nodes(self, travel: float) -> IntArray:
         """Return the snapshot nodes that lie far enough back on the way to be seen again."""
@@ -114,8 +134,11 @@ class Recognition:
         """
         view = signature(panorama)
         self._learn(view, travel)
+        if self._travel:
+            self._learn_change(view, travel, [travel - self._travel[-1]])
         matches, rivals = self._search(view, travel, reachable)
         differences = {match.node: match.difference for match in matches}
+        self._count += 1
         self._recent.append(Moment(stamp_ns, travel, panorama, matches, rivals, differences))
         return rivals[0] if rivals else None
 
@@ -134,8 +157,8 @@ class Recognition:
 
     @property
     def far(self) -> float:
-        """The way after which a place can be seen again [m]."""
-        return self._s.min_travel
+        """The way after which a place can be seen again [m]: longer where the view changes slowly."""
+        return max(self._s.min_travel, FAR * self.catchment.length)
 
     @property
     def limit(self) -> float:
@@ -144,10 +167,16 @@ class Recognition:
 
     def _learn(self, view: Signature, travel: float) -> None:
         """Learn how different other places look, from nodes that were left too recently to be seen again."""
-        first, last = self._old(travel), self._old(travel + self._s.min_travel / 2)
+        first, last = self._old(travel), self._old(travel + self.far / 2)
         if last > first:
             differences = self.index.compare(view, np.arange(first, last)).difference
             self._usual.append(float(np.median(differences)))
+
+    def _learn_change(self, view: Signature, travel: float, back: list[float]) -> None:
+        """Learn how unlike the snapshots are that were taken some ways back [m]."""
+        places = sorted({bisect_right(self._travel, travel - way + 1e-9) - 1 for way in back} - {-1})
+        for place, difference in zip(places, self.index.compare(view, np.array(places, int)).difference, strict=True):
+            self.catchment.learn(travel - self._travel[place], float(difference))
 
     def _matches(self, places: IntArray, found: RotationDifferences) -> tuple[PlaceMatch, ...]:
         return tuple(
@@ -156,22 +185,49 @@ class Recognition:
         )
 
     def proposal(self) -> Proposal | None:
-        """Return the moment `lag` steps ago if the view was then most like a place within reach, once a pass."""
-        if len(self._recent) < 2 * LAG + 1:
-            return None
-        moment = self._recent[LAG]
-        if not moment.places or moment.travel - self._last_proposal < PAUSE:
-            return None
-        best = moment.places[0]
-        if best.difference > self.limit or not self._is_minimum(best.node):
-            return None
-        self._last_proposal = moment.travel
-        return Proposal(moment, moment.places[:SHORTLIST], moment.rivals, self.limit)
+        """Return a moment some steps ago if the view was then most like a place within reach, once a pass."""
+        while (place := self._next_known()) is not None:
+            self._examined += 1
+            if self._is_proposed(place):
+                moment = self._recent[place]
+                self._last_proposal = moment.travel
+                return Proposal(moment, moment.places[:SHORTLIST], moment.rivals, self.limit, self._older(moment))
+        return None
 
-    def _is_minimum(self, node: int) -> bool:
-        curve = [moment.difference.get(node, np.inf) for moment in self._recent]
-        return int(np.argmin(curve)) == LAG
+    def _next_known(self) -> int | None:
+        """Return where in `_recent` the first moment stands that wasn't examined, None until enough came after it."""
+        place = len(self._recent) - (self._count - self._examined)
+        after = len(self._recent) - 1 - place
+        if after < LAG:
+            return None
+        gone = self._recent[-1].travel - self._recent[place].travel
+        return place if gone >= LEAST or after >= LONGEST else None
+
+    def _is_proposed(self, place: int) -> bool:
+        moment = self._recent[place]
+        if not moment.places or moment.travel - self._last_proposal < PAUSE:
+            return False
+        best = moment.places[0]
+        return best.difference <= self.limit and self._is_minimum(best.node, place)
+
+    def _is_minimum(self, node: int, place: int) -> bool:
+        """Return whether a node was the most alike at a moment, of all moments that came since and as many before."""
+        first = place - min(LAG, place)
+        while first > 0 and place - first < LONGEST and self._travelled(first, place) < LEAST:
+            first -= 1
+        curve = [moment.difference.get(node, np.inf) for moment in list(self._recent)[first:]]
+        return int(np.argmin(curve)) == place - first
+
+    def _travelled(self, first: int, last: int) -> float:
+        return self._recent[last].travel - self._recent[first].travel
+
+    def _older(self, moment: Moment) -> dict[int, float]:
+        """Return the differences of a moment's view to older places, by node: to all, or to so many evenly."""
+        old = self._old(moment.travel)
+        places = np.arange(0, old, max(1, -(-old // COMPARED)))
+        found = self.index.compare(signature(moment.panorama), places).difference
+        return dict(zip(np.array(self._nodes)[places].tolist(), found.tolist(), strict=True)) | moment.difference
 
     def _old(self, travel: float) -> int:
         # the snapshots are in travel order: a head of them is old enough
-        return bisect_right(self._travel, travel - self._s.min_travel)
+        return bisect_right(self._travel, travel - self.far)
