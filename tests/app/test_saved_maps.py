@@ -99,7 +99,8 @@ def test_a_map_is_gone_on_with(taught: Path, tmp_path: Path) -> None:
     assert done.exit_code == 0
     pruned = load_map(tmp_path / "pruned.topomap")
     assert len(pruned.nodes) <= 1.02 * len(before.nodes)
-    assert (tmp_path / "pruned.topomap").stat().st_size <= 1.02 * taught.stat().st_size
+    # the view before a drive's last closure stays: one of eleven, once a drive
+    assert (tmp_path / "pruned.topomap").stat().st_size <= 1.1 * taught.stat().st_size
     known = {name: after.poses[node].tolist() for node, name in enumerate(after.names)}
     assert {name: pruned.poses[node].tolist() for node, name in enumerate(pruned.names)}.items() <= known.items()
 

@@ -7,7 +7,6 @@ import io
 import json
 from pathlib import Path
 
-import pytest
 from drive_folders import write_drive
 
 from topomap.bench.recordings.drives import DriveTask, DriveVariation, to_csv, to_json, variations
@@ -25,7 +24,8 @@ def test_a_drive_is_mapped_and_judged(tmp_path: Path) -> None:
     rows = [DriveTask(folder, DriveVariation(draw=draw), MapperSettings()).perform() for draw in (0, 1)]
     for row in rows:
         assert row.false == 0
-        assert row.recall == pytest.approx(1.0)
+        assert row.recall is not None
+        assert row.recall > 0.93  # one of sixteen is missed since rivals are told by the catchment
         assert row.map_m is not None
         assert row.dead_reckoning_m is not None
         assert row.map_m < 0.5 * row.dead_reckoning_m

@@ -58,12 +58,12 @@ def test_near_hypotheses_become_one_and_keep_their_probability() -> None:
     assert len(one) == 2
     assert sum(probabilities(one)) == pytest.approx(1.0)
     assert math.exp(one.weights[0]) == pytest.approx((0.5 / 1.2 + 0.1) / 1.1)
-    assert one.seen[0].tolist() == [0.3, 1.0]  # of the likelier one
+    assert one.seen[0].tolist() == [0.3, 1.0, 0.3]  # of the likelier one
 
 
 def test_looks_add_up_for_those_that_had_them() -> None:
     seen = pair().looked(np.array([1]), np.array([0.2])).looked(np.array([0, 1]), np.array([0.1, 0.4])).seen
-    assert seen == pytest.approx(np.array([[0.1, 1.0], [0.6, 2.0]]))
+    assert seen == pytest.approx(np.array([[0.1, 1.0, 0.1], [0.6, 2.0, 0.2]]))
 
 
 def test_no_more_are_kept_than_a_step_has_time_for() -> None:
@@ -87,8 +87,8 @@ def test_a_likeness_that_half_the_map_has_says_little() -> None:
 
 def test_a_break_leaves_little_and_forgets_what_was_seen_before_it() -> None:
     start = Mixture.at(np.zeros(3), SMALL, 1e-3)
-    seen = Mixture(start.poses, start.covariances, start.weights, np.array([[0.05, 1.0]]), start.elsewhere)
+    seen = Mixture(start.poses, start.covariances, start.weights, np.array([[0.05, 1.0, 0.05]]), start.elsewhere)
     after = seen.shaken(0.8)
     assert math.exp(after.weights[0]) == pytest.approx(0.2, abs=1e-3)
     assert sum(probabilities(after)) == pytest.approx(1.0)
-    assert not after.seen.any()
+    assert after.seen.tolist() == [[0.0, 0.0, np.inf]]

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 benches = typer.Typer(help="Measure methods against the truth.", no_args_is_help=True, rich_markup_mode=None)
 OUT = Path("runs") / "bench"
+RESULTS = Path(__file__).parents[2] / "docs" / "results"
 KEEP = typer.Option(None, help="CSV file that the figures are added to, as under docs/results.")
 
 
@@ -170,7 +171,7 @@ def spacing(
 @benches.command()
 def mission(
     out: Path = typer.Option(Path("docs") / "THESIS.md", help="File for the table."),
-    results: Path = typer.Option(Path("docs") / "results", help="Folder of the figures that are kept."),
+    results: Path = typer.Option(RESULTS, help="Folder of the figures that are kept.", show_default="docs/results"),
 ) -> None:
     """Write the table of the thesis: every method, figure and table, how it is called, its test, both figures."""
     from topomap.evaluation.summary import write_whole

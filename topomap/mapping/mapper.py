@@ -100,6 +100,8 @@ class Mapper:
 
         panorama: its view as `seen` returns it.
         """
+        if not (self._resumed and self.first is None):
+            self.track.check(reading.stamp_ns, reading.motion)
         broken = self._watch.judge(panorama, reading.motion, self.map.calibration) if self.map.nodes else ""
         self._stamp_ns = reading.stamp_ns
         self._move(reading, bool(broken) or self._watch.doubted)
@@ -266,6 +268,7 @@ class Mapper:
         reachable = self._closing.within_reach(self.recognition.old_nodes(travel))
         place = self.recognition.update(stamp_ns, travel, panorama, reachable)
         if self.lost or self._gap is not None:
+            self.recognition.pass_over()
             return place, self._closing.judge(stamp_ns, None)
         return place, self._closing.judge(stamp_ns, self.recognition.proposal())
 

@@ -43,10 +43,7 @@ class Track:
 
         broken: the increment isn't believed; it goes into the map with the covariance of a gap. seen: the step as it
         was seen, where the one that was read isn't believed.
-
-        Raises DataError for a stamp that isn't later than the one before and for an increment that isn't numbers.
         """
-        self._check(stamp_ns, reading)
         # plain numbers, as the log hands them back: NumPy's would print otherwise and give the map another hash
         way = float(reading.forward), float(reading.left), float(reading.turn)
         covariance = GAP if broken else np.asarray(reading.covariance, np.float64)
@@ -104,8 +101,11 @@ class Track:
         for motion in self._motions:
             self.pose = advance(self.pose, self.map.calibration.correct(motion))
 
-    def _check(self, stamp_ns: int, reading: MotionReading) -> None:
-        """Refuse what would only fail later, and elsewhere."""
+    def check(self, stamp_ns: int, reading: MotionReading) -> None:
+        """Refuse what would only fail later, and elsewhere.
+
+        Raises DataError for a stamp that isn't later than the one before and for an increment that isn't numbers.
+        """
         last = self._last_stamp()
         if last is not None and stamp_ns <= last:
             raise DataError(f"the reading at {stamp_ns} ns isn't later than the one before, at {last} ns")

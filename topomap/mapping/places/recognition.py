@@ -184,6 +184,10 @@ class Recognition:
             for i in np.argsort(found.difference, kind="stable").tolist()
         )
 
+    def pass_over(self) -> None:
+        """Leave all moments so far unexamined for good: the robot didn't know where it was."""
+        self._examined = self._count
+
     def proposal(self) -> Proposal | None:
         """Return a moment some steps ago if the view was then most like a place within reach, once a pass."""
         while (place := self._next_known()) is not None:

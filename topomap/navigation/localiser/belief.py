@@ -15,7 +15,7 @@ from topomap.mapping.graph import TopoMap
 from topomap.mapping.mapper import Mapper
 from topomap.navigation.localiser.fix import fix
 from topomap.navigation.localiser.likeness import log_ratio
-from topomap.navigation.localiser.mixture import Mixture
+from topomap.navigation.localiser.mixture import Mixture, unseen
 from topomap.navigation.localiser.views import Found, Seen, Usual, look, usual
 from topomap.vision.image.surroundings import surroundings
 
@@ -167,7 +167,7 @@ class Belief:
 
     def _weigh(self, seen: Seen, fewest: int) -> None:
         """Weigh each hypothesis by how alike its places looked over the last stretch, in so many looks at least."""
-        squares, looks = self.mixture.seen.T
+        squares, looks, best = self.mixture.seen.T
         told = looks >= fewest
         ratios = np.zeros(len(squares))
         if told.any():
@@ -175,8 +175,9 @@ class Belief:
             least = mean.min()
             hardest = HARDEST if fewest == LOOKS else FIRST
             behind = np.minimum((mean - least) / (APART + APART_SHARE * least), hardest)
-            ratios[told] = log_ratio(np.sqrt([least]), seen.usual.others) - behind
-        self.mixture = replace(self.mixture.weighed(ratios, ESCAPE), seen=np.zeros((len(self.mixture), 2)))
+            # what hides a part of the view is passed within a stretch: whether any place is there, its best look says
+            ratios[told] = log_ratio(np.sqrt([best[told].min()]), seen.usual.others) - behind
+        self.mixture = replace(self.mixture.weighed(ratios, ESCAPE), seen=unseen(len(self.mixture)))
         self.stretches += fewest == LOOKS
 
     def _add(self, seen: Seen, places: FloatArray) -> None:

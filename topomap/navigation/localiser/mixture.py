@@ -20,8 +20,9 @@ SAME, SAME_TURN = 0.6, 0.6
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Mixture:
-    """n hypotheses: poses (n, 3), covariances (n, 3, 3) in the map frame, log weights (n,); seen (n, 2): over the last
-    stretch the sum of squared likenesses, and how many looks. elsewhere: log weight of all that isn't among them.
+    """n hypotheses: poses (n, 3), covariances (n, 3, 3) in the map frame, log weights (n,); seen (n, 3): over the last
+    stretch the sum of squared likenesses, how many looks, and the least one. elsewhere: log weight of all that isn't
+    among them.
     """
 
     poses: FloatArray
@@ -36,13 +37,13 @@ class Mixture:
     @staticmethod
     def unknown() -> Mixture:
         """Return that nothing is known."""
-        return Mixture(np.zeros((0, 3)), np.zeros((0, 3, 3)), np.zeros(0), np.zeros((0, 2)), 0.0)
+        return Mixture(np.zeros((0, 3)), np.zeros((0, 3, 3)), np.zeros(0), np.zeros((0, 3)), 0.0)
 
     @staticmethod
     def at(pose: FloatArray, covariance: FloatArray, doubt: float) -> Mixture:
         """Return one hypothesis, which doesn't hold with a probability of `doubt`."""
         return Mixture(
-            pose[None].copy(), covariance[None].copy(), np.log([1.0 - doubt]), np.zeros((1, 2)), float(np.log(doubt))
+            pose[None].copy(), covariance[None].copy(), np.log([1.0 - doubt]), unseen(1), float(np.log(doubt))
         )
 
     def moved(self, motion: Motion, noise: FloatArray) -> Mixture:
@@ -86,13 +87,15 @@ class Mixture:
             poses=np.concatenate([self.poses, poses]),
             covariances=np.concatenate([self.covariances, np.broadcast_to(covariance, (len(poses), 3, 3))]),
             weights=np.concatenate([self.weights, weights]),
-            seen=np.concatenate([self.seen, np.zeros((len(poses), 2))]),
+            seen=np.concatenate([self.seen, unseen(len(poses))]),
         )
 
     def looked(self, which: IntArray, squares: FloatArray) -> Mixture:
         """Return hypotheses `which` (k,) with a look more, of squared likeness `squares` (k,)."""
         seen = self.seen.copy()
-        seen[which] += np.column_stack([squares, np.ones(len(which))])
+        seen[which, 0] += squares
+        seen[which, 1] += 1.0
+        seen[which, 2] = np.minimum(seen[which, 2], squares)
         return replace(self, seen=seen)
 
     def weighed(self, ratios: FloatArray, escape: float) -> Mixture:
@@ -105,7 +108,7 @@ class Mixture:
         """Return the mixture after something that none of the hypotheses survived with a probability of `doubt`."""
         rest = float(np.logaddexp(self.elsewhere + np.log1p(-doubt), np.log(doubt)))
         return replace(
-            self, weights=self.weights + np.log1p(-doubt), seen=np.zeros((len(self), 2)), elsewhere=rest
+            self, weights=self.weights + np.log1p(-doubt), seen=unseen(len(self)), elsewhere=rest
         ).normalised()
 
     def normalised(self) -> Mixture:
@@ -140,6 +143,11 @@ class Mixture:
         turned = np.abs(wrap_all(poses[:, None, 2] - self.poses[None, :, 2]))
         same: BoolArray = (away < SAME) & (turned < SAME_TURN)
         return same
+
+
+def unseen(count: int) -> FloatArray:
+    """Return the `seen` (count, 3) of hypotheses that had no look yet."""
+    return np.tile([0.0, 0.0, np.inf], (count, 1))
 
 
 def _turned(headings: FloatArray) -> FloatArray:

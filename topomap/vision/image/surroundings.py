@@ -15,6 +15,8 @@ from topomap.vision.image.displaced import distances_or_middling, flow
 
 FINER = 2
 """Columns and rows of the picture that is displaced, to one of the small view: more gain nothing."""
+ROUNDS = 3
+"""A small view's columns are four times as wide as those for which five rounds are asked."""
 STEP, REACHED = 0.15, 2
 """[m] Between neighbouring points, and how many there are to either side: 0.3 m, as far as a driver keeps beside
 a route and as snapshots half a metre apart need; a view from half a step off differs as little as one taken again."""
@@ -57,7 +59,7 @@ def _displaced(panorama: Panorama, points: FloatArray) -> Float32Array:
     far = np.interp(bearings, whole, distances_or_middling(panorama), period=TAU)
     horizon = (rig.horizon_row + 0.5) / high - 0.5
     below = np.arange(rows)[:, np.newaxis] - horizon
-    origin, growth = flow(far, float(bearings[0]), points)
+    origin, growth = flow(far, float(bearings[0]), points, ROUNDS)
     across = ((origin * (rig.width / TAU) + 0.5) / wide - 0.5) % columns
     down = horizon + below * growth[:, np.newaxis, :]
     ring = np.concatenate([small, small[:, :1]], axis=1)
