@@ -22,6 +22,7 @@ from topomap.cli import (
     optimize_commands,
     recording_commands,
     rig_commands,
+    robot_bench_commands,
     run_commands,
     sweep_commands,
     world_commands,
@@ -46,6 +47,7 @@ recording_commands.add_to(app)
 method_commands.add_to(app)
 world_commands.add_to(app)
 bench_commands.add_to(app)
+robot_bench_commands.add_to(app)
 config_commands.add_to(app)
 rig_commands.add_to(app)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,32 +14,20 @@ from topomap.core.records import Hypothesis, Motion
 from topomap.mapping.graph import TopoMap
 from topomap.mapping.mapper import Mapper
 from topomap.navigation.localiser.fix import fix
-from topomap.navigation.localiser.likeness import log_ratio
-from topomap.navigation.localiser.mixture import Mixture, unseen
-from topomap.navigation.localiser.views import Found, Seen, Usual, look, usual
+from topomap.navigation.localiser.mixture import Mixture
+from topomap.navigation.localiser.views import Seen, Usual, look, usual
+from topomap.navigation.localiser.weighing import by_first_view, by_stretch, with_places
 from topomap.vision.image.surroundings import surroundings
 
 LOOK = 0.16
 """[m] Way between looks: as far as the points apart from which a view is predicted."""
-STRETCH, LOOKS = 1.0, 3
-"""[m] Way whose looks count once, and how many it needs: snapshots are at most 1 m apart, and over it the place itself
-was the most alike of 120 in 21 of 24 tries in `office-loop`."""
-APART, APART_SHARE = 0.015, 0.1
-"""By how much the mean squared likeness of the place itself varies over a stretch, at least and as a share of the least
-one: in `office-loop` its most alike rival had 0.036 more in the middle and 0.03 less at worst; 0.007 tells them best,
-and twice that allows for errors that last over stretches."""
-HARDEST = 5.0
-"""What one stretch can say against a hypothesis [nats]: the errors of neighbouring views hang together."""
-FIRST = 3.0
-"""What the first view can say [nats]: 0.3 m aside in `office-loop`, a wrong place looks more like it in 2 of 5."""
+STRETCH = 1.0
+"""[m] Way whose looks count once: snapshots are at most 1 m apart, and over it the place itself was the most alike of
+120 in 21 of 24 tries in `office-loop`."""
 REACH = 1.0
 """[m] A place farther than this from a hypothesis isn't expected to be seen from it."""
 SEARCHED, ASIDE = 160, 8
 """Places, of those most alike, where the robot may be as well: while it is lost, and while it isn't."""
-ESCAPE = 1e-3
-"""Probability to be carried away unnoticed within a stretch: once in 800 m."""
-BORN = np.diag(np.square([0.35, 0.35, math.radians(8.0)]))
-"""Covariance of a place found by its view: it is told from its neighbour half a metre off, and to two columns."""
 BY_VIEW = np.diag(np.square([0.5, 0.5, math.radians(8.0)]))
 """Covariance of a pose by the likeness of its neighbours, seen five times a metre by errors that hang together."""
 ALIKE = 0.5
@@ -112,10 +100,9 @@ class Belief:
         self._compare(seen, nearby, mapper.map.poses[nodes])
         if due or fresh:
             self._since_weighed = 0.0
-            self._weigh(seen, 1 if fresh else LOOKS)
-        if due or fresh:
-            self._add(seen, mapper.map.poses[nodes])
-            self.mixture = self.mixture.pruned()
+            self.stretches += not fresh
+            weighed = by_first_view(self.mixture, seen) if fresh else by_stretch(self.mixture, seen)
+            self.mixture = with_places(weighed, seen, mapper.map.poses[nodes]).pruned()
         self._fix(panorama, mapper, nodes)
 
     @property
@@ -151,7 +138,7 @@ class Belief:
         likeness, poses = np.full((n, k), np.inf), np.zeros((n, k, 3))
         found = seen.at(nearby.places[nearby.near], expected[nearby.near])
         likeness[nearby.near] = found.likeness
-        poses[nearby.near] = _poses(places[nearby.places[nearby.near]], found)
+        poses[nearby.near] = found.poses(places[nearby.places[nearby.near]])
         least = likeness.min(axis=1)
         self.likeness = float(least[np.argmax(self.mixture.weights)])
         told = np.flatnonzero(np.isfinite(least))
@@ -164,30 +151,6 @@ class Belief:
         heading = poses[alike, rows.argmin(axis=1), 2]
         measured = np.column_stack([there, heading])
         self.mixture = self.mixture.measured(alike, measured, np.broadcast_to(BY_VIEW, (len(alike), 3, 3)))
-
-    def _weigh(self, seen: Seen, fewest: int) -> None:
-        """Weigh each hypothesis by how alike its places looked over the last stretch, in so many looks at least."""
-        squares, looks, best = self.mixture.seen.T
-        told = looks >= fewest
-        ratios = np.zeros(len(squares))
-        if told.any():
-            mean = squares[told] / looks[told]
-            least = mean.min()
-            hardest = HARDEST if fewest == LOOKS else FIRST
-            behind = np.minimum((mean - least) / (APART + APART_SHARE * least), hardest)
-            # what hides a part of the view is passed within a stretch: whether any place is there, its best look says
-            ratios[told] = log_ratio(np.sqrt([best[told].min()]), seen.usual.others) - behind
-        self.mixture = replace(self.mixture.weighed(ratios, ESCAPE), seen=unseen(len(self.mixture)))
-        self.stretches += fewest == LOOKS
-
-    def _add(self, seen: Seen, places: FloatArray) -> None:
-        """Add the places that look like the view: each, any way round, was as likely as any other before."""
-        where, found = seen.minima()
-        poses = _poses(places[where], found)
-        fresh = ~self.mixture.near(poses).any(axis=1) & (found.likeness < 1.0)
-        ratio = np.clip(log_ratio(found.likeness, seen.usual.others), -FIRST, FIRST)
-        weights = self.mixture.elsewhere - math.log(2 * len(places)) + ratio
-        self.mixture = self.mixture.joined_by(poses[fresh], BORN, weights[fresh]).normalised()
 
     def _fix(self, panorama: Panorama, mapper: Mapper, nodes: IntArray) -> None:
         """Measure the likeliest hypothesis's pose against the place nearest to it."""
@@ -208,11 +171,3 @@ class Belief:
         measured = compose(place, found.relative)
         covariance = turn @ found.covariance @ turn.T
         self.mixture = self.mixture.measured(np.array([k]), measured[None], covariance[None])
-
-
-def _poses(places: FloatArray, found: Found) -> FloatArray:
-    """Return the robot's poses (n, 3) that the looks at places (n, 3) tell."""
-    heading = wrap_all(places[:, 2] + found.rotations)
-    c, s = np.cos(heading), np.sin(heading)
-    ahead, left = found.points.T
-    return np.column_stack([places[:, 0] - c * ahead + s * left, places[:, 1] - s * ahead - c * left, heading])

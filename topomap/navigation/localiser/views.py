@@ -38,6 +38,13 @@ class Found:
     rotations: FloatArray
     points: FloatArray
 
+    def poses(self, places: FloatArray) -> FloatArray:
+        """Return the robot's poses (n, 3) that these looks at places (n, 3) tell."""
+        heading = wrap_all(places[:, 2] + self.rotations)
+        c, s = np.cos(heading), np.sin(heading)
+        ahead, left = self.points.T
+        return np.column_stack([places[:, 0] - c * ahead + s * left, places[:, 1] - s * ahead - c * left, heading])
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Seen:

@@ -1,0 +1,115 @@
+"""Commands that measure the robot: bench kidnapped, breaks, faults, journeys."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import typer
+
+from topomap.cli.bench_commands import OUT, benches, table
+from topomap.cli.console import console, progress
+
+
+def add_to(app: typer.Typer) -> None:
+    """Add the commands to `topomap bench`, which bench_commands adds to the program."""
+    for command in (kidnapped, breaks, faults, journeys):
+        benches.command()(command)
+
+
+def kidnapped(
+    worlds: str = typer.Argument("room-corridor,hall", help="Worlds by name or file, comma-separated."),
+    starts: int = typer.Option(20, min=1, help="Places, a world and seed, where the robot is set down."),
+    seeds: str = typer.Option("0", help="Seeds of the drive and of the places, e.g. 0-4."),
+    settings: list[str] = typer.Option([], "--set", metavar="KEY=VALUE", help="A setting of the run; may repeat."),
+) -> None:
+    """Set a taught robot down anywhere, turned any way: how far it drives until it knows where, and how surely."""
+    from topomap.app.config import load_config
+    from topomap.app.kidnapped import HEADINGS, row, search, tally, teach
+    from topomap.app.kidnapped import starts as places
+    from topomap.app.words import parse_seeds
+
+    config, rows = load_config(None, settings), []
+    numbers = parse_seeds(seeds)
+    for world in worlds.split(","):
+        found = []
+        with progress(world, len(numbers) * starts) as advance:
+            for seed in numbers:
+                lesson = teach(world, seed, config)
+                for start in places(lesson, starts):
+                    found.append(search(lesson, start))
+                    advance(len(found))
+        rows.append((world, *row(tally(found))))
+    table("kidnapped", ("world", *HEADINGS), rows)
+
+
+def breaks(
+    worlds: str = typer.Option(
+        "room-corridor,hall,examples/worlds/figure_eight.toml",
+        help="Worlds by name or file, comma-separated.",
+    ),
+    seeds: str = typer.Option("0-9", help="Seeds of drives and breaks, e.g. 0-4."),
+    count: int = typer.Option(50, min=0, help="Drives with a break each."),
+    undisturbed: int = typer.Option(20, min=0, help="Drives without."),
+    settings: list[str] = typer.Option([], "--set", metavar="KEY=VALUE", help="A setting of the run; may repeat."),
+    jobs: int | None = typer.Option(None, min=1, help="Processes [all cores]."),
+    fresh: bool = typer.Option(False, "--fresh", help="Measure anew what is known already."),
+    out: Path = typer.Option(OUT / "breaks", help="Folder for the JSON."),
+) -> None:
+    """Break the odometry once a drive: is it noticed, is nothing false, is the map joined again; and false alarms."""
+    from topomap.app import break_bench as bench
+    from topomap.app.words import cores, parse_seeds
+    from topomap.bench.breaks import HEADINGS, rows
+    from topomap.bench.pool import Store, default_folder
+
+    names = [word.strip() for word in worlds.split(",") if word.strip()]
+    tasks = bench.plan(names, parse_seeds(seeds), count, undisturbed, settings)
+    store = Store(None if fresh else default_folder())
+    with progress("breaks", len(tasks)) as advance:
+        made = bench.run_breaks(tasks, store, jobs or cores(), advance)
+    table("breaks", HEADINGS, rows(made))
+    console.print(str(bench.write(made, out)), soft_wrap=True)
+
+
+def faults(
+    worlds: str = typer.Option("hall", help="Worlds by name or file, comma-separated."),
+    seeds: str = typer.Option("0", help="Seeds of drives and of the moment, e.g. 0-4."),
+    kinds: str = typer.Option("all", "--faults", help="'all' or what fails, comma-separated, e.g. black image."),
+    settings: list[str] = typer.Option(
+        ["sim.driver.laps=0.2"], "--set", metavar="KEY=VALUE", help="A setting of the run; may repeat."
+    ),
+    jobs: int | None = typer.Option(None, min=1, help="Processes [all cores]."),
+    fresh: bool = typer.Option(False, "--fresh", help="Measure anew what is known already."),
+    out: Path = typer.Option(OUT / "faults", help="Folder for the JSON."),
+) -> None:
+    """Let every sensor and driver fail, while being taught and on the way home: wheels stopped, no false arrival."""
+    from topomap.app import fault_bench as bench
+    from topomap.app.words import cores, parse_seeds
+    from topomap.bench.pool import Store, default_folder
+
+    names = [word.strip() for word in worlds.split(",") if word.strip()]
+    tasks = bench.plan(names, parse_seeds(seeds), kinds, settings)
+    store = Store(None if fresh else default_folder())
+    with progress("faults", len(tasks)) as advance:
+        made = bench.run_faults(tasks, store, jobs or cores(), advance)
+    table("faults", bench.HEADINGS, bench.rows(made))
+    console.print(str(bench.write(made, out)), soft_wrap=True)
+
+
+def journeys(
+    worlds: str = typer.Option("room-corridor", help="Worlds by name or file, comma-separated."),
+    seeds: str = typer.Option("0", help="Seeds of drift, noise and starts, e.g. 0-4."),
+    textures: str = typer.Option("0", help="Seeds of the worlds' looks, e.g. 0-2."),
+    kinds: str = typer.Option("none", help="'all' or what goes wrong, comma-separated, e.g. none,turned,carried."),
+    count: int = typer.Option(1, min=1, help="Journeys of each kind from every lesson."),
+    goal: int = typer.Option(0, min=0, help="Node to travel to from the lesson's end."),
+    settings: list[str] = typer.Option([], "--set", metavar="KEY=VALUE", help="Setting; may repeat."),
+    out: Path = typer.Option(OUT / "journeys", help="Folder for the JSON."),
+) -> None:
+    """Teach each world once and travel many times: homecomings, false arrivals, collisions, ways and speeds."""
+    from topomap.app import journey_bench as bench
+
+    asked = bench.request(worlds, seeds, textures, kinds, count, goal, settings)
+    with progress("journeys", asked.steps) as advance:
+        made = bench.travel_all(asked, advance)
+    table("journeys", bench.HEADINGS, bench.rows(made))
+    console.print(str(bench.write(made, out)), soft_wrap=True)
