@@ -33,13 +33,13 @@ SMALLER = {
     "all": "alv,acv,area-centroid",
 }
 LESS = {
-    "topomap sweep": ["--set", "sim.driver.laps=0.3", "--set", "stack.mission.then=stop"],
+    "topomap sweep": ["--set", "sim.driver.laps=0.3", "--set", "stack.mission.then=stop", "--jobs", "1"],
     "topomap run hall --mission hall": [
         f"--set={word}" for word in ("stack.hall.ahead=2.5", "stack.hall.behind=0.3", "stack.hall.width=1.8")
     ],
     "topomap bench graphs": ["--seeds", "0", "--peers", "none"],
-    "topomap bench homing --env": ["--starts", "0"],
-    "topomap bench homing --grid": ["--methods", "alv"],
+    "topomap bench homing --env": ["--starts", "0", "--jobs", "1"],
+    "topomap bench homing --grid": ["--methods", "alv", "--jobs", "1"],
     "topomap bench spacing": ["--apart", "0.5", "--seeds", "0", "--jobs", "1"],
     "topomap bench drive": ["--draws", "1", "--jobs", "1"],
 }
