@@ -81,28 +81,38 @@ def test_put_down_anywhere_it_finds_itself_and_goes_where_it_was_sent(taught: Pa
     assert home["within_0_3_m"]
 
 
-def test_a_map_is_gone_on_with(taught: Path, tmp_path: Path) -> None:
-    before = load_map(taught)
+@pytest.fixture(scope="module")
+def gone_on(taught: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, object]]:
+    """A lap more on the taught map: its folder, with the map pruned beside it, and its summary."""
+    folder = tmp_path_factory.mktemp("gone_on")
     more = ("--map", taught, "--mission", "teach", "--start", 0, "--seed", 2, "--set", "sim.driver.laps=1")
-    summary = run(tmp_path, *more)
-    after = load_map(tmp_path / "run.topomap")
+    summary = run(folder, *more)
+    done = call("map", "prune", folder / "run.topomap", "--out", folder / "pruned.topomap")
+    assert done.exit_code == 0
+    return folder, summary
+
+
+def test_a_map_is_gone_on_with(taught: Path, gone_on: tuple[Path, dict[str, object]]) -> None:
+    folder, summary = gone_on
+    before, after = load_map(taught), load_map(folder / "run.topomap")
     assert after.names[: len(before.names)] == before.names
     assert after.places == before.places
     assert len(after.closures) >= len(before.closures) + 3
-    assert false_closures(tmp_path / "run.topomap") == 0
+    assert false_closures(folder / "run.topomap") == 0
     closures = summary["closures"]
     assert isinstance(closures, dict)
     assert closures["recall"] > 0.9
-    assert ate(after.poses, truths(tmp_path / "run.topomap", after)) < 0.05
+    assert ate(after.poses, truths(folder / "run.topomap", after)) < 0.05
 
-    done = call("map", "prune", tmp_path / "run.topomap", "--out", tmp_path / "pruned.topomap")
-    assert done.exit_code == 0
-    pruned = load_map(tmp_path / "pruned.topomap")
+    pruned = load_map(folder / "pruned.topomap")
     assert len(pruned.nodes) <= 1.02 * len(before.nodes)
-    # the view before a drive's last closure stays: one of eleven, once a drive
-    assert (tmp_path / "pruned.topomap").stat().st_size <= 1.1 * taught.stat().st_size
     known = {name: after.poses[node].tolist() for node, name in enumerate(after.names)}
     assert {name: pruned.poses[node].tolist() for node, name in enumerate(pruned.names)}.items() <= known.items()
+
+
+@pytest.mark.xfail(strict=True, reason="8 % more: one view of twelve stays at the end of the lap")
+def test_a_pruned_map_does_not_grow_on_known_ground(taught: Path, gone_on: tuple[Path, dict[str, object]]) -> None:
+    assert (gone_on[0] / "pruned.topomap").stat().st_size <= 1.02 * taught.stat().st_size
 
 
 def test_two_maps_become_one(taught: Path, second: Path, tmp_path: Path) -> None:

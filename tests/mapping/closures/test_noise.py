@@ -70,12 +70,19 @@ MIXES = {
 }
 
 
-@pytest.mark.parametrize("mix", MIXES)
-@pytest.mark.parametrize("seed", [0, 1])
+AT_THE_EDGE = pytest.mark.xfail(strict=True, reason="0.0182 for 0.01: tails that fit the mixture a little too heavy")
+CASES = [
+    pytest.param(seed, mix, marks=AT_THE_EDGE if (seed, mix) == (1, "80 % in fives") else ())
+    for seed in (0, 1)
+    for mix in MIXES
+]
+
+
+@pytest.mark.parametrize(("seed", "mix"), CASES)
 def test_covariances_stated_too_large_are_found_out(mix: str, seed: int) -> None:
     world = MIXES[mix](square(seed))
     assert 0.8 <= factor_of(world) <= 1.0
-    assert 0.008 <= factor_of(world, 100.0) <= 0.02
+    assert 0.008 <= factor_of(world, 100.0) <= 0.018
 
 
 @pytest.mark.xfail(
@@ -88,11 +95,14 @@ def test_covariances_stated_too_large_are_found_out_among_80_percent_random_fals
     assert 0.008 <= factor_of(world, 100.0) <= 0.018
 
 
-def test_the_factor_follows_the_statement_over_three_decades() -> None:
-    """Beyond, the stated sigma of headings is so large that they count as unknown."""
-    world = random_false(0.5)(square(2))
-    found = [factor_of(world, stated) for stated in (1.5, 15.0, 150.0, 1500.0)]
-    assert np.array(found) * [1.5, 15.0, 150.0, 1500.0] == pytest.approx(1.0, abs=0.35)
+FAR_TOO_LARGE = pytest.mark.xfail(
+    strict=True, reason="1.8: the stated sigma of headings is so large that they count as unknown"
+)
+
+
+@pytest.mark.parametrize("stated", [1.5, 3.0, 30.0, 300.0, 1500.0, pytest.param(3000.0, marks=FAR_TOO_LARGE)])
+def test_the_factor_follows_the_statement(stated: float) -> None:
+    assert stated * factor_of(random_false(0.5)(square(2)), stated) == pytest.approx(1.0, abs=0.35)
 
 
 def test_covariances_stated_too_small_are_left_alone() -> None:

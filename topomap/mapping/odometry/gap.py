@@ -15,9 +15,6 @@ from topomap.mapping.odometry.increments import Calibration, Increments, integra
 GAP = np.diag(np.square([50.0, 50.0, math.pi]))
 """Covariance of an increment over which the robot may have been carried anywhere in a building, and turned."""
 
-TURN_SEEN = math.radians(3.0)
-"""[rad] Error of a turn between two views a step apart: undisturbed it is at most 2.5 degrees off the odometry's."""
-
 
 @dataclass(frozen=True, slots=True)
 class Restated:

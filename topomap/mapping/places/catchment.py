@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from statistics import median
 
 import numpy as np
 from scipy.optimize import isotonic_regression
@@ -33,6 +34,7 @@ class Catchment:
 
     def __init__(self) -> None:
         self._bins: dict[int, deque[float]] = {}
+        self._medians: dict[int, float] = {}  # of the bins that count
         self._curve: tuple[FloatArray, FloatArray] | None = None
 
     def learn(self, way: float, difference: float) -> None:
@@ -40,8 +42,11 @@ class Catchment:
         if way < SHORTEST or not math.isfinite(difference):
             return
         number = round(math.log(way / SHORTEST) / math.log(FACTOR))
-        self._bins.setdefault(number, deque(maxlen=KEPT)).append(difference)
-        self._curve = None
+        kept = self._bins.setdefault(number, deque(maxlen=KEPT))
+        kept.append(difference)
+        if len(kept) >= FEWEST:
+            self._medians[number] = median(kept)
+            self._curve = None
 
     @property
     def length(self) -> float:
@@ -58,8 +63,8 @@ class Catchment:
     def _known(self) -> tuple[FloatArray, FloatArray]:
         """Return ways [m] and the differences (n,) at them, both rising."""
         if self._curve is None:
-            numbers = [number for number in sorted(self._bins) if len(self._bins[number]) >= FEWEST]
-            medians = np.array([np.median(self._bins[number]) for number in numbers])
+            numbers = sorted(self._medians)
+            medians = np.array([self._medians[number] for number in numbers])
             counts = np.array([len(self._bins[number]) for number in numbers], float)
             rising = isotonic_regression(medians, weights=counts).x if len(numbers) else medians
             self._curve = SHORTEST * FACTOR ** np.array(numbers, float), np.asarray(rising, float)
