@@ -96,13 +96,13 @@ class OdometryWatch:
         change, whole = _change(panorama, previous, float(motion.turn))
         driven = abs(motion.forward) + abs(motion.left)
         way = driven + TURN_WAY * abs(motion.turn)
-        turn = rotation_difference(signature(panorama), signature(previous))[1]
-        leapt = self._leapt(driven, motion.dt, panorama, previous, turn)
+        leapt = self._leapt(driven, motion.dt, panorama, previous)
         self._lately = max(self._latest, default=0.0)
         self._latest.append(change)
         announced = max(self._whole, default=0.0) >= ANNOUNCED
         self._whole.append(whole)
         turned = self._jumped(change, way) and not leapt and not announced
+        turn = _seen_turn(panorama, previous) if leapt or turned or self._scans.untrue else 0.0
         if turned and self._jumped(_change(panorama, previous, turn)[0], way):
             self._scans.begin(panorama)
             return f"carried away: the view changed by {change:.2f}, usual over a step is {self._usual:.2f}"
@@ -123,7 +123,8 @@ class OdometryWatch:
         return ended
 
     def _restate(self, panorama: Panorama, read: Motion, turn: float, leapt: bool, turned: bool, moves: bool) -> None:
-        """Take the step as what is seen has it, where the odometry's can't be true; turn: by the views [rad]."""
+        """Take the step as what is seen has it, where the odometry's can't be true; turn: by the views [rad], asked
+        where one of these holds."""
         usual = float(np.median(self._driven)) if self._driven else 0.0
         by_usual = leapt or self._scans.untrue
         if by_usual or turned:
@@ -145,13 +146,14 @@ class OdometryWatch:
             forward, left = c * shown.x + s * shown.y, c * shown.y - s * shown.x
             self.seen = Restated(forward, left, shown.heading, SEEN_WAY, SHOWN_TURN)
 
-    def _leapt(self, driven: float, dt: float, panorama: Panorama, previous: Panorama, turn: float) -> bool:
+    def _leapt(self, driven: float, dt: float, panorama: Panorama, previous: Panorama) -> bool:
         """Return whether the odometer counts a step that is none: the view changed as it does over a usual one."""
         if len(self._changes) < FEWEST or driven < max(LEAP_LEAST, LEAP * max(self._driven)):
             return False
         if dt > 0 and driven / dt < LEAP * max(self._speeds):
             return False  # readings were left out
-        return _change(panorama, previous, turn)[0] < max(LEAP_CHANGE * self._usual, LEAST)
+        change, _ = _change(panorama, previous, _seen_turn(panorama, previous))
+        return change < max(LEAP_CHANGE * self._usual, LEAST)
 
     @property
     def _still(self) -> float:
@@ -191,6 +193,11 @@ def _corrected(motion: MotionReading, calibration: Calibration) -> Motion:
 def _stated(read: Motion, seen: Restated) -> Motion:
     forward, left = (read.forward, read.left) if seen.ways is None else (seen.forward, seen.left)
     return Motion(forward, left, seen.turn, read.covariance, read.dt)
+
+
+def _seen_turn(now: Panorama, before: Panorama) -> float:
+    """Return how far the robot turned between two views [rad]."""
+    return rotation_difference(signature(now), signature(before))[1]
 
 
 def _change(now: Panorama, before: Panorama, turn: float) -> tuple[float, float]:
