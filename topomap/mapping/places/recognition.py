@@ -6,6 +6,7 @@ from array import array
 from bisect import bisect_right
 from collections import deque
 from dataclasses import dataclass, field
+from statistics import median
 
 import numpy as np
 from pydantic import BaseModel, Field
@@ -163,7 +164,7 @@ class Recognition:
     @property
     def limit(self) -> float:
         """The image difference above which nothing is proposed: a share of that to other places; 0 at first."""
-        return THRESHOLD * float(np.median(self._usual)) if self._usual else 0.0
+        return THRESHOLD * median(self._usual) if self._usual else 0.0
 
     def _learn(self, view: Signature, travel: float) -> None:
         """Learn how different other places look, from nodes that were left too recently to be seen again."""

@@ -131,9 +131,7 @@ def rotation_differences(
     return RotationDifferences(np.sqrt(np.maximum(low, 0.0)).astype(np.float32), rotation)
 
 
-def squared_differences(
-    current: Signature, spectra: Complex64Array, powers: FloatArray | None = None
-) -> FloatArray:
+def squared_differences(current: Signature, spectra: Complex64Array, powers: FloatArray | None = None) -> FloatArray:
     """Return the mean squared difference (N, C) of stored views to the current one rolled by 0, 1, .. C-1
     columns.
 
