@@ -98,7 +98,8 @@ def _inverse(information: FloatArray, otherwise: float = 0.0) -> FloatArray:
     if values[0] <= least and untold.any():
         kept = _without(directions[:2, untold])
         values, directions = np.linalg.eigh(kept @ pairs @ kept)
-    return inverse_of(values, directions, scale, least, otherwise)
+    inverse: FloatArray = inverse_of(values, directions, scale, least, otherwise)
+    return inverse
 
 
 def _without(lost: FloatArray) -> FloatArray:
