@@ -10,7 +10,7 @@ from pydantic import BaseModel, Field
 from topomap.core.geometry import Pose2
 from topomap.core.panorama import Panorama
 from topomap.core.recorded import RecordedRig
-from topomap.core.records import Candidate, Decision, MapChange, NodeAdded, PlaceMatch
+from topomap.core.records import Candidate, Decision, MapChange, MountLean, NodeAdded, PlaceMatch
 from topomap.core.robot import Reading
 from topomap.core.view_size import parse_view
 from topomap.mapping.closures.closure_tests import ClosureTest
@@ -23,6 +23,7 @@ from topomap.mapping.optimisation import Optimisation, OptimisationSettings
 from topomap.mapping.places.recognition import Recognition, RecognitionSettings
 from topomap.mapping.places.small_view import small_view, snapshot_of
 from topomap.mapping.places.snapshots import SnapshotSettings, View, make_rule
+from topomap.mapping.places.upright_views import UprightViews
 from topomap.mapping.places.view_cache import ViewCache
 from topomap.mapping.sessions.drive_start import DriveStart
 from topomap.mapping.track import Track
@@ -59,6 +60,7 @@ class Mapper:
         self.view_cache = ViewCache(self.map)
         self._large = ViewCache(self.map, 2)  # the last two snapshots as the camera saw them
         self._whole: Panorama | None = None
+        self._upright = UprightViews(self.map)
         self.ledger = Ledger()
         self.track = Track(self.map)
         self.optimisation = Optimisation(settings.optimisation, aligner, self.map)
@@ -91,9 +93,38 @@ class Mapper:
                 self.recognition.recall(node, self.map.nodes[node].travel, self.view_cache.panorama(node))
 
     def seen(self, panorama: Panorama) -> Panorama:
-        """Return a view as the map keeps views: what place search, compass and homing compare."""
-        self._whole = panorama
+        """Return a view as the map keeps views, upright: what place search, compass and homing compare.
+
+        To be asked once for each reading, before `update`.
+        """
+        self._whole = self._upright.see(panorama)
+        if self._upright.restated:
+            self._restate()
+        return self._small(self._whole)
+
+    @property
+    def mount(self) -> MountLean | None:
+        """How the camera leans, None where too few views have shown it."""
+        return self._upright.estimate
+
+    @property
+    def restated_lean(self) -> str:
+        """What was newly found of the camera's lean by the last view, in plain words, "" for nothing."""
+        return self._upright.said
+
+    def _small(self, panorama: Panorama) -> Panorama:
         return panorama if self._size is None else small_view(panorama, self._size)
+
+    def _restate(self) -> None:
+        """Take all that was seen in this drive for what it is, now that the camera's lean is known better."""
+        for node in self._upright.restate():
+            for cache in (self.view_cache, self._large):
+                cache.drop(node)
+            self.recognition.restate(node, self.view_cache.panorama(node))
+        before = self._upright.before()
+        if before is not None and self._previous is not None:
+            self._previous = self._small(before)
+            self._watch.restate(self._previous)
 
     def update(self, reading: Reading, panorama: Panorama) -> MapChange:
         """Take one reading: extend the track, keep or not, search, test closures, solve; return what changed.
@@ -224,6 +255,8 @@ class Mapper:
                 self._gap, self._before_gap = node, len(self.recognition)
         if broken:
             self._gap = node
+        if snapshot is not None:
+            self._upright.keep(node, already=snapshot.encoded is not reading.encoded)
         if taught:
             self._learn_contrast(panorama)
             self._remember(node, panorama)
@@ -232,7 +265,7 @@ class Mapper:
     def _snapshot(self, reading: Reading, panorama: Panorama) -> Snapshot:
         if self._size is not None and reading.rig.width > self._size.columns:
             return snapshot_of(panorama)
-        return Snapshot(reading.encoded, reading.ranges, RecordedRig.of(reading.rig))
+        return Snapshot(reading.encoded, reading.ranges, self._upright.leaning(RecordedRig.of(reading.rig)))
 
     def _reason(self, panorama: Panorama, difference: float, driven: bool) -> str | None:
         if self._previous is None:
