@@ -140,7 +140,9 @@ def _mount(mount: MountLean | None) -> Summary:
     """Say in degrees how the camera leans: all null where too little was seen."""
     angles = (None,) * 4 if mount is None else (mount.roll, mount.pitch, mount.sigma, mount.sway)
     names = ("roll_deg", "pitch_deg", "sigma_deg", "sway_deg")
-    said = {name: None if a is None else _number(math.degrees(a)) for name, a in zip(names, angles, strict=True)}
+    said: Summary = {
+        name: None if a is None else _number(math.degrees(a)) for name, a in zip(names, angles, strict=True)
+    }
     return said | {"taken_out": None if mount is None else mount.taken_out}
 
 

@@ -26,10 +26,14 @@ ALIKE = 15
 """Readings that err alike, as many as 6 m have: in rooms and grass their means err as those of so many fewer."""
 TOO_VAGUE = math.radians(1.0)
 """[rad] A reading that errs by more says nothing: those of rooms err by 0.1 to 0.2 degrees, of grass by 0.3."""
+HIDDEN = 3.0
+"""What readings say that they err is to be taken so many times: 0.3 to 3.4 in rooms, grass and photographs."""
 FLOOR = math.radians(0.1)
 """[rad] What many readings may err by together: found means lie 0.0 to 0.1 degrees off."""
-LEAST, CLEAR = math.radians(0.25), 3.0
-"""[rad] A lean that is taken out, or a change of it, is at least so large, and so many sigmas."""
+LEAST, CLEAR, FAINT = math.radians(0.25), 3.0, 2.0
+"""[rad] A lean that is taken out is at least so large, and so many sigmas; of fewer it is left alone again, and so many
+it has to be off before it is stated anew."""
+SURER = 0.7  # share of its former error from which on a lean is stated anew where it is off by a quarter of a degree
 SWAY_LEAST, SWAY_CLEAR, SWAY_SHARP = math.radians(0.4), 3.5, math.radians(0.3)
 """[rad] A body sways where its readings spread by more, and by so many times what they say they err (things that hang
 askew make up to 3.4 of a camera that stands still, grass and photographs 4.3), and such readings are sharp."""
@@ -52,10 +56,10 @@ class Mount:
     def __init__(self) -> None:
         self.lean = UPRIGHT
         self.restated = False
-        self._sway = 0.0
+        self._sigma = self._sway = 0.0
         self._seen = 0
         self._leans: list[tuple[float, float]] = []
-        self._covariances: list[FloatArray] = []
+        self._variances: list[float] = []
 
     def see(self, raw: Panorama) -> Taken:
         """Learn from a view as the camera took it, and return what to take out of it."""
@@ -95,29 +99,43 @@ class Mount:
 
     def _learn(self, said: LeanReading) -> None:
         self._leans.append((said.lean.roll, said.lean.pitch))
-        self._covariances.append(said.covariance)
-        del self._leans[:-MOST], self._covariances[:-MOST]
+        self._variances.append(float(np.trace(said.covariance)) / 2.0)
+        del self._leans[:-MOST], self._variances[:-MOST]
         if len(self._leans) < FIRST:
             return
         mean, sigma, spread = self._mean()
-        sharp = math.sqrt(float(np.median([np.trace(c) / 2.0 for c in self._covariances])))
+        sharp = self._sharp()
         sways = spread > max(SWAY_LEAST, SWAY_CLEAR * sharp) and sharp < SWAY_SHARP
-        found = Lean(float(mean[0]), float(mean[1]))
-        if (found - self.lean).size >= max(LEAST, CLEAR * sigma) or sways != (self._sway > 0.0):
+        lean = self._stated(Lean(float(mean[0]), float(mean[1])), sigma)
+        if lean != self.lean or sways != (self._sway > 0.0):
             self.restated = True
-            self.lean = found if found.size >= LEAST else UPRIGHT
-            self._sway = math.sqrt(spread**2 - sharp**2) if sways else 0.0
+            self._sigma = sigma
+            self.lean, self._sway = lean, math.sqrt(spread**2 - sharp**2) if sways else 0.0
+
+    def _stated(self, found: Lean, sigma: float) -> Lean:
+        """Return the lean that is taken out from now on: the one that was, unless what was found speaks against it."""
+        if self.lean == UPRIGHT:
+            return found if found.size >= max(LEAST, CLEAR * sigma) else UPRIGHT
+        if found.size < max(LEAST, FAINT * sigma):
+            return UPRIGHT
+        surer = sigma < SURER * self._sigma
+        off = (found - self.lean).size
+        return found if off >= (LEAST if surer else max(LEAST, FAINT * sigma)) else self.lean
+
+    def _sharp(self) -> float:
+        """Return what the middle one of the readings says that it errs [rad]."""
+        return math.sqrt(float(np.median(self._variances)))
 
     def _mean(self) -> tuple[FloatArray, float, float]:
         """Return the robust mean (2,) of the readings, how far it may be off, and their spread about it [rad]."""
-        leans, own = np.array(self._leans), np.array([np.trace(c) / 2.0 for c in self._covariances])
+        leans, own = np.array(self._leans), np.array(self._variances)
         mean = np.median(leans, axis=0)
-        spread = float(1.4826 * np.median(np.abs(leans - mean)))
+        spread = float(1.4826 * np.median(np.abs(leans - mean), axis=0).max())
         weight = 1.0 / (own + spread**2)
         for _ in range(2):
             far = np.square(leans - mean).sum(axis=1) * weight
             robust = weight / np.square(1.0 + far / 8.0)
             mean = (robust[:, np.newaxis] * leans).sum(axis=0) / robust.sum()
         apart = max(len(leans) / ALIKE, 1.0)
-        error = math.sqrt((spread**2 + float(np.median(own))) / apart + FLOOR**2)
+        error = math.sqrt(max(spread, HIDDEN * self._sharp()) ** 2 / apart + FLOOR**2)
         return mean, error, spread

@@ -8,7 +8,7 @@ from functools import lru_cache
 import cv2
 import numpy as np
 
-from topomap.core.arrays import Float32Array
+from topomap.core.arrays import Image
 from topomap.core.geometry import TAU
 from topomap.core.panorama import Panorama
 from topomap.core.rig import Rig
@@ -30,15 +30,15 @@ def upright(panorama: Panorama, lean: Lean) -> Panorama:
 
 
 def _turned(panorama: Panorama, roll: int, pitch: int) -> Panorama:
-    columns, rows = _maps(panorama.rig, roll, pitch)
+    where = _maps(panorama.rig, roll, pitch)
     ring = np.concatenate([panorama.image, panorama.image[:, :1]], axis=1)
-    image = cv2.remap(ring, columns, rows, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    image = cv2.remap(ring, *where, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     return Panorama(image.astype(np.uint8, copy=False), panorama.ranges, panorama.rig)
 
 
 @lru_cache(maxsize=32)
-def _maps(rig: Rig, roll: int, pitch: int) -> tuple[Float32Array, Float32Array]:
-    """Return for every pixel of the upright view (H, W) its column and row in the leaning one."""
+def _maps(rig: Rig, roll: int, pitch: int) -> tuple[Image, Image]:
+    """Return for every pixel of the upright view (H, W) its column and row in the leaning one, as OpenCV packs them."""
     bearings = np.arange(rig.width) * (TAU / rig.width)
     up = (rig.horizon_row - np.arange(rig.height, dtype=np.float64))[:, np.newaxis] / rig.focal
     cr, sr, cp, sp = (f(angle * STEP) for angle in (roll, pitch) for f in (math.cos, math.sin))
@@ -47,4 +47,5 @@ def _maps(rig: Rig, roll: int, pitch: int) -> tuple[Float32Array, Float32Array]:
     left, above = cr * np.sin(bearings) + sr * above, cr * above - sr * np.sin(bearings)
     columns = np.mod(np.arctan2(left, ahead) * (rig.width / TAU), rig.width)
     rows = rig.horizon_row - rig.focal * above / np.hypot(ahead, left)
-    return np.ascontiguousarray(columns, np.float32), np.ascontiguousarray(rows, np.float32)
+    # in whole pixels and thirty-seconds OpenCV is twice as fast
+    return cv2.convertMaps(columns.astype(np.float32), rows.astype(np.float32), cv2.CV_16SC2)

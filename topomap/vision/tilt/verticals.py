@@ -30,6 +30,9 @@ WIDTHS = (0.2, 0.1, 0.1, 0.1)
 """Sideways run a row off the fit that quarters an edge's vote, from round to round."""
 SECTORS = 36
 """Of the view, taken to err independently of one another: an upright edge is longer than wide."""
+ASKEW = math.radians(0.5)
+"""[rad] By how much the upright things of one sector lean together, at least."""
+WORST = 100.0  # how much better one direction of lean is seen than the other, at most
 FEWEST = 60  # edge pixels, as two edges of 30 rows have
 
 
@@ -116,11 +119,12 @@ def _fitted(edges: FloatArray, columns: int, stretch: float) -> LeanReading | No
     for width in WIDTHS:
         sums = _sums(edges, cosines, sines, float(lean[0]), float(lean[1]), width, SECTORS)
         normal, right = _normal(sums.sum(axis=0)), sums[:, 3:].sum(axis=0)
-        if np.linalg.cond(normal) > 1e4:
+        if np.linalg.cond(normal) > WORST:
             return None
         lean = lean + np.linalg.solve(normal, right)
     inverse = np.linalg.inv(normal)
-    spread = sums[:, 3:].T @ sums[:, 3:]
+    own = sums[:, [[0, 1], [1, 2]]]
+    spread = sums[:, 3:].T @ sums[:, 3:] + ASKEW**2 * np.einsum("kij,kjl->il", own, own)
     covariance = inverse @ spread @ inverse
     return LeanReading(Lean(float(lean[0]), float(lean[1])), np.asarray(covariance + covariance.T) / 2.0)
 
