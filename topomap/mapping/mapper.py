@@ -121,6 +121,9 @@ class Mapper:
             for cache in (self.view_cache, self._large):
                 cache.drop(node)
             self.recognition.restate(node, self.view_cache.panorama(node))
+        last = self._upright.last_kept()
+        if last is not None:
+            self._large.put(*last)
         before = self._upright.before()
         if before is not None and self._previous is not None:
             self._previous = self._small(before)

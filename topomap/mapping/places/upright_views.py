@@ -27,6 +27,7 @@ class UprightViews:
         self._raw: Panorama | None = None
         self._before: Panorama | None = None
         self._taken = Taken(None, UPRIGHT)
+        self._last: tuple[int, Panorama | None] = (-1, None)
         self._kept: dict[int, tuple[LeanReading | None, Lean]] = {}
 
     @property
@@ -67,6 +68,12 @@ class UprightViews:
     def keep(self, node: int, already: bool) -> None:
         """Remember what the last view said, as a node keeps it; already: it is kept as it was taken upright."""
         self._kept[node] = (self._taken.said, self._taken.lean if already else UPRIGHT)
+        self._last = (node, self._raw)
+
+    def last_kept(self) -> tuple[int, Panorama] | None:
+        """Return the last node that was kept, and its whole view as it is taken upright now."""
+        node, raw = self._last
+        return None if raw is None else (node, upright(raw, self._mount.lean_at(self._kept[node][0])))
 
     def restate(self) -> tuple[int, ...]:
         """Tell the rigs of all kept views how the camera leant, as it is known now; return their nodes."""

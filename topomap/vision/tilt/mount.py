@@ -53,7 +53,9 @@ class Mount:
     lean: the mount's own, as it is taken out now; restated: whether that changed with the last view.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, every: int = EVERY) -> None:
+        """every: one in so many views is read, once the first ones are."""
+        self._every = every
         self.lean = UPRIGHT
         self.restated = False
         self._sigma = self._sway = 0.0
@@ -88,7 +90,7 @@ class Mount:
         return MountLean(float(mean[0]), float(mean[1]), sigma, self._sway, taken)
 
     def _asked(self) -> bool:
-        return self._sway > 0.0 or self._seen < FIRST or self._seen % EVERY == 0
+        return self._sway > 0.0 or self._seen < FIRST or self._seen % self._every == 0
 
     def _said(self, raw: Panorama) -> LeanReading | None:
         # read in the view as it is taken upright: what lies near zero is read exactly, more is read a tenth too small
