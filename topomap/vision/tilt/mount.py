@@ -8,6 +8,7 @@ where the views don't agree: a camera that stands upright is left alone to the b
 from __future__ import annotations
 
 import math
+from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,9 +35,14 @@ LEAST, CLEAR, FAINT = math.radians(0.25), 3.0, 2.0
 """[rad] A lean that is taken out is at least so large, and so many sigmas; of fewer it is left alone again, and so many
 it has to be off before it is stated anew."""
 SURER = 0.7  # share of its former error from which on a lean is stated anew where it is off by a quarter of a degree
-SWAY_LEAST, SWAY_CLEAR, SWAY_SHARP = math.radians(0.4), 3.5, math.radians(0.3)
-"""[rad] A body sways where its readings spread by more, and by so many times what they say they err (things that hang
-askew make up to 3.4 of a camera that stands still, grass and photographs 4.3), and such readings are sharp."""
+SWAYS, STILL = math.radians(0.4), math.radians(0.3)
+"""[rad] A body sways where readings differ so much from one to the next, and doesn't any more where they differ by
+less: what hangs askew stays in view, so that those of a camera that stands still differ by 0.2 in rooms ..."""
+SHARP = math.radians(0.3)
+"""[rad] ... and sharp ones alone can tell: those of grass differ by 0.3 to 0.7, of small photographs by 1.7 to 2.6, and
+say themselves that they err by 0.4 and 0.7."""
+MOSTLY = (0.8, 1.2816)  # four steps of five are within this many sigmas: what remains are jolts and misreadings
+LATELY, ENOUGH = 60, 15  # readings by which that is told, and the fewest
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,16 +66,18 @@ class Mount:
         self.restated = False
         self._sigma = self._sway = 0.0
         self._seen = 0
+        self._spaced: deque[tuple[float, float]] = deque(maxlen=LATELY)
         self._leans: list[tuple[float, float]] = []
         self._variances: list[float] = []
 
     def see(self, raw: Panorama) -> Taken:
         """Learn from a view as the camera took it, and return what to take out of it."""
         self.restated = False
-        said = self._said(raw) if self._asked() else None
+        due = self._seen < FIRST or self._seen % self._every == 0
+        said = self._said(raw) if due or self._sway > 0.0 else None
         self._seen += 1
-        if said is not None:
-            self._learn(said)
+        if said is not None and due:
+            self._learn(said, self._seen % self._every == 1 % self._every)
         return Taken(said, self.lean_at(said))
 
     def lean_at(self, said: LeanReading | None) -> Lean:
@@ -85,12 +93,9 @@ class Mount:
         """What is known of the mount, None where too few views showed anything upright."""
         if len(self._leans) < FIRST:
             return None
-        mean, sigma, _ = self._mean()
+        mean, sigma = self._mean()
         taken = self.lean != UPRIGHT or self._sway > 0.0
         return MountLean(float(mean[0]), float(mean[1]), sigma, self._sway, taken)
-
-    def _asked(self) -> bool:
-        return self._sway > 0.0 or self._seen < FIRST or self._seen % self._every == 0
 
     def _said(self, raw: Panorama) -> LeanReading | None:
         # read in the view as it is taken upright: what lies near zero is read exactly, more is read a tenth too small
@@ -99,20 +104,22 @@ class Mount:
             return None
         return LeanReading(rest.lean + self.lean, rest.covariance)
 
-    def _learn(self, said: LeanReading) -> None:
+    def _learn(self, said: LeanReading, spaced: bool) -> None:
+        """Take a reading; spaced: so far from the last one that told as the others."""
+        if spaced:
+            self._spaced.append((said.lean.roll, said.lean.pitch))
         self._leans.append((said.lean.roll, said.lean.pitch))
         self._variances.append(float(np.trace(said.covariance)) / 2.0)
         del self._leans[:-MOST], self._variances[:-MOST]
         if len(self._leans) < FIRST:
             return
-        mean, sigma, spread = self._mean()
-        sharp = self._sharp()
-        sways = spread > max(SWAY_LEAST, SWAY_CLEAR * sharp) and sharp < SWAY_SHARP
+        mean, sigma = self._mean()
+        sway = self._swaying()
         lean = self._stated(Lean(float(mean[0]), float(mean[1])), sigma)
-        if lean != self.lean or sways != (self._sway > 0.0):
+        if lean != self.lean or (sway > 0.0) != (self._sway > 0.0):
             self.restated = True
-            self._sigma = sigma
-            self.lean, self._sway = lean, math.sqrt(spread**2 - sharp**2) if sways else 0.0
+            self.lean, self._sigma = lean, sigma
+        self._sway = sway
 
     def _stated(self, found: Lean, sigma: float) -> Lean:
         """Return the lean that is taken out from now on: the one that was, unless what was found speaks against it."""
@@ -124,12 +131,20 @@ class Mount:
         off = (found - self.lean).size
         return found if off >= (LEAST if surer else max(LEAST, FAINT * sigma)) else self.lean
 
+    def _swaying(self) -> float:
+        """Return how far the body leans besides the mount [rad], 0 where it doesn't."""
+        if len(self._spaced) < ENOUGH or self._sharp() > SHARP:
+            return 0.0
+        steps = np.abs(np.diff(np.array(self._spaced), axis=0))
+        flicker = float(np.quantile(steps, MOSTLY[0], axis=0).max()) / (MOSTLY[1] * math.sqrt(2.0))
+        return flicker if flicker > (STILL if self._sway > 0.0 else SWAYS) else 0.0
+
     def _sharp(self) -> float:
         """Return what the middle one of the readings says that it errs [rad]."""
         return math.sqrt(float(np.median(self._variances)))
 
-    def _mean(self) -> tuple[FloatArray, float, float]:
-        """Return the robust mean (2,) of the readings, how far it may be off, and their spread about it [rad]."""
+    def _mean(self) -> tuple[FloatArray, float]:
+        """Return the robust mean (2,) of the readings, and how far it may be off [rad]."""
         leans, own = np.array(self._leans), np.array(self._variances)
         mean = np.median(leans, axis=0)
         spread = float(1.4826 * np.median(np.abs(leans - mean), axis=0).max())
@@ -140,4 +155,4 @@ class Mount:
             mean = (robust[:, np.newaxis] * leans).sum(axis=0) / robust.sum()
         apart = max(len(leans) / ALIKE, 1.0)
         error = math.sqrt(max(spread, HIDDEN * self._sharp()) ** 2 / apart + FLOOR**2)
-        return mean, error, spread
+        return mean, error
