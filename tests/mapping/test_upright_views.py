@@ -23,6 +23,7 @@ from topomap.core.view_size import parse_view
 from topomap.mapping.mapfile import from_bytes, to_bytes
 from topomap.mapping.mapper import Mapper, MapperSettings
 from topomap.mapping.places.small_view import view_of
+from topomap.mapping.places.upright_views import UprightViews
 from topomap.vision.image.compare import signature
 from topomap.vision.registry import aligner
 
@@ -81,6 +82,20 @@ def test_a_map_keeps_how_its_camera_leant() -> None:
     first = loaded.nodes[0].snapshot
     assert first is not None
     assert np.array_equal(view_of(first, None).image, mapper.view_cache.panorama(0).image)
+
+
+def test_a_drive_on_a_map_begins_with_how_its_camera_leant() -> None:
+    mapper, _ = mapped(3.0)
+    first = mapper.map.nodes[0].snapshot
+    assert first is not None
+    again = UprightViews(from_bytes(to_bytes(mapper.map)))
+    raw = Panorama.from_reading(readings(3.0)[0])
+    assert np.array_equal(again.see(raw).image, view_of(first, None).image)
+    other = UprightViews(mapper.map)
+    for _ in range(4):  # another camera, which stands upright
+        for reading in readings(0.0):
+            seen = other.see(Panorama.from_reading(reading))
+    assert np.array_equal(seen.image, Panorama.from_reading(readings(0.0)[-1]).image)
 
 
 def test_an_upright_cameras_map_is_written_as_before() -> None:

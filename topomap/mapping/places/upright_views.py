@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+import numpy as np
+
 from topomap.core.panorama import Panorama
 from topomap.core.recorded import RecordedRig
 from topomap.core.records import MountLean
@@ -22,8 +24,9 @@ class UprightViews:
     """
 
     def __init__(self, topo: TopoMap) -> None:
+        """topo: where it holds views already, the camera is taken to lean as theirs did until its own views tell."""
         self._map = topo
-        self._mount = Mount()
+        self._mount = Mount(before=_usual(topo))
         self._raw: Panorama | None = None
         self._before: Panorama | None = None
         self._taken = Taken(None, UPRIGHT)
@@ -81,3 +84,12 @@ class UprightViews:
             lean = self._mount.lean_at(said) - out
             self._map.lean(node, lean.roll, lean.pitch)
         return tuple(self._kept)
+
+
+def _usual(topo: TopoMap) -> Lean:
+    """Return how the middle one of a map's views leant."""
+    rigs = [node.snapshot.rig for node in topo.nodes if node.snapshot is not None]
+    if not rigs:
+        return UPRIGHT
+    roll, pitch = np.median([(rig.roll, rig.pitch) for rig in rigs], axis=0).tolist()
+    return Lean(roll, pitch)

@@ -59,10 +59,10 @@ class Mount:
     lean: the mount's own, as it is taken out now; restated: whether that changed with the last view.
     """
 
-    def __init__(self, every: int = EVERY) -> None:
-        """every: one in so many views is read, once the first ones are."""
+    def __init__(self, every: int = EVERY, before: Lean = UPRIGHT) -> None:
+        """every: one in so many views is read, once the first ones are; before: how it leant when it was seen last."""
         self._every = every
-        self.lean = UPRIGHT
+        self.lean = before if before.size >= LEAST else UPRIGHT
         self.restated = False
         self._sigma = self._sway = 0.0
         self._seen = 0
