@@ -53,6 +53,10 @@ class PlaceIndex:
         self._powers[self._count] = spectra_powers(view.spectrum[np.newaxis], view.pixels.shape[1])[0]
         self._count += 1
 
+    def replace(self, place: int, view: Signature) -> None:
+        """Store a view in place of an earlier one."""
+        self._spectra[place], self._keys[place] = view.spectrum, _key(view)
+
     def compare(self, view: Signature, places: IntArray) -> RotationDifferences:
         """Return the differences to some stored views (n,)."""
         if not len(places):
