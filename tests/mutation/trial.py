@@ -33,7 +33,9 @@ def load(root: Path, tests: tuple[str, ...]) -> None:
     """Import all tests and the whole source, so that the copies need not."""
     for package in ("topomap", "sim2d", "logs"):
         for path in sorted((root / package).rglob("*.py")):
-            importlib.import_module(str(path.relative_to(root).with_suffix("")).replace("/", ".").removesuffix(".__init__"))
+            importlib.import_module(
+                str(path.relative_to(root).with_suffix("")).replace("/", ".").removesuffix(".__init__")
+            )
     pytest.main([*OPTIONS, "--collect-only", "-qq", *tests])
 
 
