@@ -8,6 +8,8 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from google.protobuf.json_format import MessageToDict
+from kept import as_before
 from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
 from numpy.typing import NDArray
@@ -432,3 +434,24 @@ def test_a_run_that_was_cut_off_is_a_warning(tmp_path: Path, path: Path) -> None
     cut.write_bytes(path.read_bytes()[:-30])
     with pytest.warns(PartialLogWarning, match="cut off"):
         assert load_run(cut).log_state == "cut off"
+
+
+def told(value: object) -> list[str]:
+    """Every number and word of a decoded message, in order, with its name; pictures and clouds by their length."""
+    if isinstance(value, dict):
+        return [f"{name} {one}".rstrip() for name, inner in value.items() for one in told(inner)]
+    if isinstance(value, list):
+        return [one for inner in value for one in told(inner)]
+    return [f"{value:.6g}" if isinstance(value, float) else str(value)[:40]]
+
+
+def test_every_message_is_as_before(path: Path) -> None:
+    steps = {_stamp(step) for step in (0, 3, CLOSED_AT, 25, 26, 27, STEPS - 1)}
+    found: dict[str, list[str]] = {}
+    with path.open("rb") as file:
+        reader = make_reader(file, decoder_factories=[DecoderFactory()])
+        for schema, channel, message, decoded in reader.iter_decoded_messages():
+            if message.log_time in steps:
+                words = told(MessageToDict(decoded))
+                found.setdefault(f"{channel.topic} {schema.name}", []).extend(words)
+    as_before("log", found)
