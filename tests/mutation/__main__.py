@@ -19,6 +19,7 @@ sys.path[:0] = [str(Path(__file__).parents[1]), str(Path(__file__).parents[1] / 
 
 from mutation import cover  # noqa: E402 the path comes first
 from mutation.mutants import ROOT, Mutant, chosen  # noqa: E402
+from mutation.named import named  # noqa: E402
 from mutation.patch import apply  # noqa: E402
 from mutation.reach import Reach  # noqa: E402
 from mutation.trial import forked, load, noticed, prepare  # noqa: E402
@@ -44,6 +45,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--out", type=Path, default=Path("mutation.json"))
     parser.add_argument("--cover", type=Path, help="file of what the tests cover; measured where there is none")
+    parser.add_argument("--named", action="store_true", help="only those of named.toml, by the tests named there")
     asked = parser.parse_args()
     out = asked.out.absolute()
     figures = {}
@@ -52,6 +54,8 @@ def main() -> int:
         known = (asked.cover or Path(folder) / "cover.json").absolute()
         shutil.copytree(ROOT, copied, ignore=shutil.ignore_patterns(".git", ".venv*", "runs", ".mypy_cache"))
         prepare(copied)
+        if asked.named:
+            return _named(copied)
         if not known.exists():
             forked(lambda: cover.measure(copied, TESTS, known), HOUR_S)
         found = cover.read(known)
@@ -60,6 +64,16 @@ def main() -> int:
             figures[one] = _tried(one, chosen([one], asked.sample, asked.seed), copied, Reach(found))
             out.write_text(json.dumps(figures, indent=1) + "\n", encoding="utf8")
     return 0
+
+
+def _named(copied: Path) -> int:
+    """Try every mistake of named.toml; 1 where one lives."""
+    alive = 0
+    for one in named():
+        lives = _passes(one.mutant(), [one.test], copied, HOUR_S)
+        alive += lives
+        print(f"{'lives' if lives else 'noticed'}: {one.what} ({one.test})", flush=True)
+    return int(alive > 0)
 
 
 def _tried(folder: str, every: list[Mutant], copied: Path, reach: Reach) -> dict[str, object]:
@@ -85,14 +99,18 @@ def _tried(folder: str, every: list[Mutant], copied: Path, reach: Reach) -> dict
 
 def survives(mutant: Mutant, copied: Path, reach: Reach) -> bool:
     """Return whether a mutant passes all tests that run its line, and those beside them, as far as the budget goes."""
+    tests, seconds = reach.tests(mutant, BUDGET_S)
+    each = KERNEL_S if mutant.kernel else None
+    limit = 30 + 4 * seconds if each is None else 30 + each * len(tests)
+    return not tests or _passes(mutant, tests, copied, limit, each)
+
+
+def _passes(mutant: Mutant, tests: list[str], copied: Path, limit: float, each: float | None = None) -> bool:
     target = copied / mutant.file
     original = target.read_bytes()
     try:
         target.write_text(mutant.source, encoding="utf8")
-        tests, seconds = reach.tests(mutant, BUDGET_S)
-        each = KERNEL_S if mutant.kernel else None
-        limit = 30 + 4 * seconds if each is None else 30 + each * len(tests)
-        return not tests or not noticed(tests, lambda: apply(mutant, copied), limit, each)
+        return not noticed(tests, lambda: apply(mutant, copied), limit, each)
     finally:
         target.write_bytes(original)
 

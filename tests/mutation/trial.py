@@ -48,7 +48,12 @@ class Chosen:
 
     @pytest.hookimpl(trylast=True)
     def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
-        items[:] = sorted((i for i in items if i.nodeid in self._order), key=lambda i: self._order[i.nodeid])
+        chosen = [item for item in items if self._place(item) is not None]
+        items[:] = sorted(chosen, key=lambda item: self._place(item) or 0)
+
+    def _place(self, item: pytest.Item) -> int | None:
+        """Return where a test stands in the order; a whole file may stand there too."""
+        return self._order.get(item.nodeid, self._order.get(item.nodeid.split("::")[0]))
 
     @pytest.hookimpl(hookwrapper=True)
     def pytest_runtest_call(self):
