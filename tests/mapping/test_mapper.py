@@ -99,7 +99,7 @@ def test_the_same_readings_give_the_same_map_to_the_bit() -> None:
 
 def test_the_drive_is_as_before(second_round: tuple[Mapper, list[StepRecord], np.ndarray]) -> None:
     mapper, records, _ = second_round
-    trust, calibration = mapper.trust, mapper.map.calibration
+    trust, calibration = mapper.optimisation.trust, mapper.map.calibration
     as_before("drive", of_drive(records))
     as_before(
         "map",

@@ -8,6 +8,7 @@ import signal
 import sys
 import time
 from collections.abc import Callable
+from contextlib import redirect_stdout
 from pathlib import Path
 
 import pytest
@@ -32,11 +33,11 @@ def prepare(copied: Path) -> None:
 def load(root: Path, tests: tuple[str, ...]) -> None:
     """Import all tests and the whole source, so that the copies need not."""
     for package in ("topomap", "sim2d", "logs"):
-        for path in sorted((root / package).rglob("*.py")):
-            importlib.import_module(
-                str(path.relative_to(root).with_suffix("")).replace("/", ".").removesuffix(".__init__")
-            )
-    pytest.main([*OPTIONS, "--collect-only", "-qq", *tests])
+        for path in sorted((root / package).rglob("[!_]*.py")):
+            importlib.import_module(str(path.relative_to(root).with_suffix("")).replace("/", "."))
+    with Path(os.devnull).open("w") as quiet, redirect_stdout(quiet):
+        if pytest.main([*OPTIONS, "--collect-only", "-qq", *tests]) != 0:
+            raise RuntimeError("the tests can't be collected")
 
 
 class Chosen:
