@@ -24,8 +24,8 @@ Kept = list[float | str | None]
 Figures = Mapping[str, ArrayLike | Sequence[str]]
 
 
-def as_before(name: str, figures: Figures) -> None:
-    """Fail where figures (numbers of any shape, or words) aren't those of the file NAME.json."""
+def as_before(name: str, figures: Figures, part: bool = False) -> None:
+    """Fail where figures (numbers of any shape, or words) aren't those of the file NAME.json, or a part of them."""
     path = FOLDER / f"{name.replace(', ', '-').replace(' ', '-')}.json"
     now = {said: _flat(one) for said, one in figures.items()}
     then: dict[str, Kept] = json.loads(path.read_text(encoding="utf8")) if path.exists() else {}
@@ -33,6 +33,7 @@ def as_before(name: str, figures: Figures) -> None:
         then |= now
         lines = ",\n".join(f"{json.dumps(said)}: {json.dumps(one)}" for said, one in then.items())
         path.write_text(f"{{\n{lines}\n}}\n", encoding="utf8")
+    assert part or list(now) == list(then)
     for said, one in now.items():
         assert len(one) == len(then[said]), said
         for k, (a, b) in enumerate(zip(one, then[said], strict=True)):

@@ -127,6 +127,16 @@ def test_close_twice_and_attach(tmp_path: Path) -> None:
     with LogReader(tmp_path / "run.mcap") as reader:
         assert reader.attachment("map.zip") == b"a map"
         assert reader.attachment("other") is None
+        kept = reader.file
+    with (tmp_path / "run.mcap").open("rb") as file:
+        times = [(one.create_time, one.log_time) for one in make_reader(file).iter_attachments()]
+    assert times == [(0, 0)] * 4, "no clock but the run's"
+    with pytest.raises(ValueError, match="closed file"):
+        list(kept.items())
+
+
+def test_a_pose_is_the_origin_unless_it_says_otherwise() -> None:
+    assert [getattr(log.Pose(), name) for name in ("x", "y", "heading")] == [0.0, 0.0, 0.0]
 
 
 def test_steps_are_readable_before_the_log_is_closed(tmp_path: Path) -> None:

@@ -31,7 +31,7 @@ TESTS = ("tests/mapping", "tests/navigation", "tests/log_files", "tests/recordin
 """The tests that answer for these folders."""
 EQUIVALENT = Path(__file__).with_name("equivalent.toml")
 """Mutants that no test can notice, each with the reason."""
-BUDGET_S = 20.0
+BUDGET_S = 10.0
 """CPU time of tests that a mutant is tried with."""
 KERNEL_S = 5.0
 """A test that takes longer where kernels run as plain Python says nothing."""

@@ -17,7 +17,9 @@ FOLDERS = ("topomap", "logs")
 
 @dataclass
 class Cover:
-    """seconds of each test; tests that run each line, `file:line`, themselves or in a fixture that they use."""
+    """seconds of each test, the fixtures that it shares with others among them; the tests that run each line,
+    `file:line`, themselves or in a fixture that they use.
+    """
 
     seconds: dict[str, float] = field(default_factory=dict)
     lines: dict[str, list[str]] = field(default_factory=dict)
@@ -38,6 +40,8 @@ class Measuring:
         self._root = root
         self._coverage = coverage.Coverage(data_file=None, config_file=False, source=[str(root / f) for f in FOLDERS])
         self._fixtures: dict[str, set[str]] = {}
+        self._taken: dict[str, float] = {}  # CPU time of shared fixtures [s]
+        self._shared, self._current = 0.0, ""
         self.cover = Cover()
 
     def pytest_collection_finish(self) -> None:
@@ -45,20 +49,23 @@ class Measuring:
 
     @pytest.hookimpl(hookwrapper=True)
     def pytest_runtest_protocol(self, item: pytest.Item) -> Generator[None, None, None]:
-        began = time.process_time()
+        began, self._shared = time.process_time(), 0.0
         self._fixtures[item.nodeid] = set()
         self._coverage.switch_context(item.nodeid)
         yield
-        self.cover.seconds[item.nodeid] = time.process_time() - began
+        self.cover.seconds[item.nodeid] = time.process_time() - began - self._shared
 
     @pytest.hookimpl(hookwrapper=True)
     def pytest_fixture_setup(self, fixturedef, request) -> Generator[None, None, None]:
-        shared = fixturedef.scope != "function"
-        if shared:
-            self._coverage.switch_context(f"fixture {fixturedef.baseid} {fixturedef.argname}")
+        name, began, before = f"fixture {fixturedef.baseid} {fixturedef.argname}", time.process_time(), self._shared
+        if fixturedef.scope == "function":
+            yield
+            return
+        self._coverage.switch_context(name)
         yield
-        if shared:
-            self._coverage.switch_context(request.node.nodeid if fixturedef.scope == "function" else self._current)
+        self._coverage.switch_context(self._current)
+        self._taken[name] = time.process_time() - began - (self._shared - before)
+        self._shared += self._taken[name]
 
     def pytest_runtest_setup(self, item: pytest.Item) -> None:
         self._current = item.nodeid
@@ -71,6 +78,7 @@ class Measuring:
         data = self._coverage.get_data()
         users: dict[str, set[str]] = defaultdict(set)
         for test, fixtures in self._fixtures.items():
+            self.cover.seconds[test] += sum(self._taken.get(one, 0.0) for one in fixtures)
             for one in (*fixtures, test):
                 users[one].add(test)
         for path in data.measured_files():

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import ast
 import importlib
 import sys
 from collections.abc import Iterator
-from functools import cached_property, partial
+from functools import cache, cached_property, partial
 from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
 
-from mutation.mutants import Mutant
+from mutation.mutants import ROOT, Mutant
 
 COMPILED = ("topomap.vision.registry", "topomap.vision.image.seam", "sim2d.render.kernel")
 """Kernels that stay compiled where one of the map's is changed, which then all run as plain Python: numba's caches
@@ -18,13 +19,32 @@ don't notice that a callee has changed."""
 
 def apply(mutant: Mutant, copied: Path) -> None:
     """Make the mistake in this process; the changed file is on disk already."""
-    if not mutant.kernel and mutant.inside and _swapped(mutant, copied):
+    called = mutant.inside.split(".")[-1] in _called_on_import()
+    if not mutant.kernel and mutant.inside and not called and _swapped(mutant, copied):
         return
     for name, module in list(sys.modules.items()):
         if (getattr(module, "__file__", None) or "").startswith(f"{copied}/"):
             del sys.modules[name]
     if mutant.kernel:
         _without_numba()
+
+
+@cache
+def _called_on_import() -> frozenset[str]:
+    """Return the names of functions that are called while modules are loaded: what they made stays as it was."""
+    files = [path for one in ("topomap", "logs") for path in sorted((ROOT / one).rglob("*.py"))]
+    trees = [ast.parse(file.read_text(encoding="utf8")) for file in files]
+    bodies = {node.name: node for tree in trees for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)}
+    left: list[ast.AST] = [
+        node for tree in trees for node in tree.body if not isinstance(node, ast.FunctionDef | ast.ClassDef)
+    ]
+    known: set[str] = set()
+    while left:
+        calls = (node for node in ast.walk(left.pop()) if isinstance(node, ast.Call))
+        names = {node.func.id for node in calls if isinstance(node.func, ast.Name)}
+        left += [bodies[name] for name in names - known if name in bodies]
+        known |= names
+    return frozenset(known)
 
 
 def _without_numba() -> None:

@@ -73,7 +73,7 @@ def stages() -> dict[str, Mixture]:
 
 @pytest.mark.parametrize("name", stages())
 def test_each_step_is_as_before(name: str) -> None:
-    as_before("mixture", {f"{name}: {said}": one for said, one in figures(stages()[name]).items()})
+    as_before("mixture", {f"{name}: {said}": one for said, one in figures(stages()[name]).items()}, part=True)
 
 
 def test_what_views_tell_is_as_before() -> None:
