@@ -24,7 +24,7 @@ Kept = list[float | str | None]
 Figures = Mapping[str, ArrayLike | Sequence[str]]
 
 
-def as_before(name: str, figures: Figures, part: bool = False) -> None:
+def as_before(name: str, figures: Figures, part: bool = False, close: float = CLOSE) -> None:
     """Fail where figures (numbers of any shape, or words) aren't those of the file NAME.json, or a part of them."""
     path = FOLDER / f"{name.replace(', ', '-').replace(' ', '-')}.json"
     now = {said: _flat(one) for said, one in figures.items()}
@@ -37,7 +37,7 @@ def as_before(name: str, figures: Figures, part: bool = False) -> None:
     for said, one in now.items():
         assert len(one) == len(then[said]), said
         for k, (a, b) in enumerate(zip(one, then[said], strict=True)):
-            assert _same(a, b), f"{said}[{k}] is {a}, was {b}"
+            assert _same(a, b, close), f"{said}[{k}] is {a}, was {b}"
 
 
 def of_drive(records: Sequence[StepRecord], every: int = 5) -> Figures:
@@ -71,7 +71,7 @@ def _flat(values: ArrayLike | Sequence[str]) -> Kept:
     return [float(f"{one:.7g}") if math.isfinite(one) else str(one) for one in found.astype(float).tolist()]
 
 
-def _same(a: float | str | None, b: float | str | None) -> bool:
+def _same(a: float | str | None, b: float | str | None, close: float) -> bool:
     if isinstance(a, float) and isinstance(b, (float, int)):
-        return abs(a - b) < CLOSE * max(1.0, abs(b))
+        return abs(a - b) <= close * max(1.0, abs(b)) if close else a == b
     return a == b

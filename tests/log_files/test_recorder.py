@@ -95,10 +95,13 @@ def test_records_and_stamps_read_back_in_order(tmp_path: Path) -> None:
         assert len(reader.file.contents.chunks) > 3
         rows = list(reader.records(topics.ODOMETRY, log.Odometry))
         stamps = [item.stamp_ns for item in reader.file.items()]
+        schemas = {item.topic: item.schema for item in reader.file.items()}
         third = reader.panorama(EPOCH + 3 * STEP)
     assert [record for _, record in rows] == [step[topics.ODOMETRY] for step in steps]
     assert [stamp for stamp, _ in rows] == [EPOCH + i * STEP for i in range(12)]
     assert stamps == sorted(stamps)
+    assert schemas[topics.PANORAMA] == "foxglove.CompressedImage"
+    assert schemas[topics.ODOMETRY] == "topomap.Odometry"
     assert log.Image(third or b"") == steps[3][topics.PANORAMA]
 
 

@@ -233,7 +233,6 @@ def test_every_damage_is_told_as_before(
     places |= {f"attachment {name}": offset + 50 for name, offset in contents.attachments}
     places |= {f"metadata {name}": offset + 20 for name, offset in contents.metadata}
     places |= {
-        "data end": contents.end + 2,
         "summary": contents.end + 40,
         "footer": len(whole) - 20,
         "magic": len(whole) - 3,

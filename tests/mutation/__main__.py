@@ -27,7 +27,8 @@ from mutation.trial import forked, load, noticed, prepare  # noqa: E402
 FOLDERS = ("logs", "topomap/recording", "topomap/navigation", "topomap/mapping")
 TESTS = ("tests/mapping", "tests/navigation", "tests/log_files", "tests/recording", "tests/old_files",
          "tests/app/test_faults.py", "tests/app/test_export.py", "tests/app/test_optimize.py",
-         "tests/app/test_saved_maps.py", "tests/cli/test_closures_log.py", "tests/test_one_engine.py")  # fmt: skip
+         "tests/app/test_saved_maps.py", "tests/cli/test_closures_log.py", "tests/test_one_engine.py",
+         "tests/test_constants.py")  # fmt: skip
 """The tests that answer for these folders."""
 EQUIVALENT = Path(__file__).with_name("equivalent.toml")
 """Mutants that no test can notice, each with the reason."""

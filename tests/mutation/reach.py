@@ -11,6 +11,8 @@ from mutation.mutants import ROOT, Mutant
 PACKAGES = ("topomap/mapping", "topomap/navigation", "topomap/recording", "topomap/app", "logs")
 """Where kernels and constants are used."""
 Place = tuple[str, range]
+CONSTANTS = "tests/test_constants.py"
+"""Answers for what stands outside all functions."""
 
 
 class Reach:
@@ -41,6 +43,7 @@ class Reach:
             places = _resting(mutant)
         running = {test for file, lines in places for test in self._cover.running(file, lines)}
         naming = _naming(mutant.inside.split(".")[-1]) if mutant.kernel else frozenset()
+        naming |= frozenset() if mutant.inside else {CONSTANTS}
         return running | {test for test in self._cover.seconds if test.split("::")[0] in naming}
 
 

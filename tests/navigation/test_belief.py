@@ -9,17 +9,20 @@ from typing import cast
 import numpy as np
 import pytest
 from kept import Figures, as_before
-from maps import square
+from maps import RIG, square
 
 from topomap.core.geometry import Pose2
+from topomap.core.panorama import Panorama
 from topomap.core.records import Motion
 from topomap.mapping.mapper import Mapper
 from topomap.navigation.localiser.belief import Belief
+from topomap.navigation.localiser.fix import MEASURED_FLOOR, fix
 from topomap.navigation.localiser.likeness import log_ratio
 from topomap.navigation.localiser.localiser import Localiser
 from topomap.navigation.localiser.mixture import Mixture
 from topomap.navigation.localiser.views import Seen, Usual
 from topomap.navigation.localiser.weighing import by_first_view, by_stretch, with_places
+from topomap.vision.matching.scan_match import ScanMatch
 
 
 def some(count: int = 6, seed: int = 0) -> Mixture:
@@ -89,6 +92,37 @@ def test_what_views_tell_is_as_before() -> None:
             "near points": near.points, "ratio": log_ratio(likeness, view.usual.others),
         },
     )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("off", "found"), [((0.7, 0.0, 0.2), True), ((0.9, 0.0, 0.0), False), ((0.0, 0.0, 0.3), False)]
+)
+def test_a_fix_far_from_where_it_was_looked_for_is_another_surface(
+    off: tuple[float, float, float], found: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    expected, view = Pose2(0.3, 0.2, 3.1), Panorama(np.zeros((10, 72, 3), np.uint8), np.ones(72, np.float32), RIG)
+    moved = expected.array() + np.array(off)
+    moved[2] = math.remainder(moved[2], math.tau)
+    match = ScanMatch(moved, 0.01 * np.eye(3), 0.9)
+    monkeypatch.setattr("topomap.navigation.localiser.fix.match_scans", lambda *_: match)
+    told = fix(view, view, expected)
+    assert (told is not None) == found
+    if told is not None:
+        assert told.relative is match.relative
+        assert told.covariance == pytest.approx(0.01 * np.eye(3) + MEASURED_FLOOR)
+
+
+def test_places_up_to_a_metre_off_are_near() -> None:
+    belief = Belief(Mixture.at(np.array([0.0, 0.0, 0.0]), np.eye(3), 0.1), square())
+    places = np.array([[3.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.01, 0.0], [0.0, 0.5, 0.0], [5.0, 5.0, 0.0]])
+    nearby = belief._nearby(places)
+    assert {int(p): bool(n) for p, n in zip(nearby.places[0], nearby.near[0], strict=True)} == {
+        1: True,
+        2: False,
+        3: True,
+    }
+    few = belief._nearby(places[:2])
+    assert dict(zip(few.places[0].tolist(), few.near[0].tolist(), strict=True)) == {0: False, 1: True}
 
 
 def test_the_lost_are_those_who_are_not_at_the_likeliest_place() -> None:

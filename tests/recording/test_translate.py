@@ -411,12 +411,14 @@ def test_a_reading_is_on_record_before_its_step_and_only_once(tmp_path: Path) ->
         run.sensed(first, _truth(0))
         run.observe(first, _record(0))
         run.sensed(second, _truth(1))
+        run.say("disk", "nearly full")
         run.say("fault", "the stack gave up", error=True)
     with LogReader(tmp_path / "run.mcap") as log_file:
         readings = [stamp for stamp, _ in log_file.records(topics.ODOMETRY, log.Odometry)]
         steps = [stamp for stamp, _ in log_file.records(topics.BELIEF, log.Belief)]
         said = [decode_text(item.data) for item in log_file.items(topics.TEXT)]
     assert (readings, steps) == ([_stamp(0), _stamp(1)], [_stamp(0)])
+    assert said[-2] == log.Text(log.Level.WARNING, "disk", "nearly full")
     assert said[-1] == log.Text(log.Level.ERROR, "fault", "the stack gave up")
 
 
