@@ -82,7 +82,7 @@ def test_each_step_is_as_before(name: str) -> None:
 def test_what_views_tell_is_as_before() -> None:
     view, rng = seen(), np.random.default_rng(3)
     where, least = view.minima()
-    near = view.at(np.array([2, 8, 0]), np.array([0.3, -2.0, 5.0]))
+    near = view.at(np.repeat([2, 8, 0], 4), np.tile([0.3, -2.0, 5.0, 1.5], 3))
     likeness = np.linspace(0.0, 1.4, 15)
     as_before(
         "views",
