@@ -30,7 +30,7 @@ def as_before(name: str, figures: Figures, part: bool = False, close: float = CL
     now = {said: _flat(one) for said, one in figures.items()}
     then: dict[str, Kept] = json.loads(path.read_text(encoding="utf8")) if path.exists() else {}
     if os.environ.get("TOPOMAP_ANSWERS") == "write":
-        then |= now
+        then = then | now if part else now
         lines = ",\n".join(f"{json.dumps(said)}: {json.dumps(one)}" for said, one in then.items())
         path.write_text(f"{{\n{lines}\n}}\n", encoding="utf8")
     assert part or list(now) == list(then)

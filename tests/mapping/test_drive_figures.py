@@ -1,4 +1,4 @@
-"""A lap and a half of a small round room with an odometer that errs: what every stage of mapping makes of it is as before."""
+"""A lap and a half of a round room with an odometer that errs: what each stage of mapping makes of it is as before."""
 
 from __future__ import annotations
 
