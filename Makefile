@@ -3,6 +3,9 @@ PYTHON ?= $(shell command -v python3.11 || command -v python3)
 VENV := .venv
 BIN := $(VENV)/bin
 SAMPLE ?= 60
+# numba's kernels, once: two workers and a dozen programs of the tests would each compile them anew
+COMPILE = rm -rf $(VENV)/compiled; $(BIN)/topomap optimize examples/graphs/block-doubtful.g2o --out $(VENV)/compiled/graph --force >/dev/null & \
+	$(BIN)/topomap run tests/helpers/den.toml --out $(VENV)/compiled/run --force >/dev/null; wait
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 
 .PHONY: demo test lint bench mutate results lock clean
@@ -60,8 +63,10 @@ $(VENV)/.run: pyproject.toml constraints.txt | $(BIN)/python
 
 $(VENV)/.test: pyproject.toml constraints.txt | $(BIN)/python
 	$(PIP) install -c constraints.txt -e '.[test]'
+	$(COMPILE)
 	@touch $@ $(VENV)/.run
 
 $(VENV)/.bench: pyproject.toml constraints.txt | $(BIN)/python
 	$(PIP) install -c constraints.txt -e '.[test,bench]'
+	$(COMPILE)
 	@touch $@ $(VENV)/.test $(VENV)/.run

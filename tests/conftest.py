@@ -3,12 +3,28 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
+from topomap.report.figures.catalogue import FIGURES
+
 ROOT = Path(__file__).resolve().parent.parent
 outcomes = {"ran": 0, "skipped": 0}
+LONGEST = ("tests/test_readme.py", "tests/test_examples.py", "tests/test_whole_run.py")
+
+
+@pytest.fixture(scope="module", autouse=True)
+def one_picture(request: pytest.FixtureRequest) -> Iterator[None]:
+    """Let reports that tests write in this process hold one picture; all ten, 3 s a
+    report, are looked at in tests/report."""
+    if request.path.is_relative_to(ROOT / "tests" / "report"):
+        yield
+        return
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr("topomap.report.report.FIGURES", FIGURES[:1])
+        yield
 
 
 @pytest.fixture(scope="session")
@@ -23,7 +39,7 @@ def data_dir() -> Path:
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Begin with the longest, so that no worker is left alone with it at the end."""
-    items.sort(key=lambda item: not item.nodeid.startswith(("tests/test_readme.py", "tests/test_examples.py")))
+    items.sort(key=lambda item: not item.nodeid.startswith(LONGEST))
 
 
 def pytest_runtest_logreport(report: pytest.TestReport) -> None:

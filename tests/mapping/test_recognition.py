@@ -89,3 +89,22 @@ def proposed(pause: float, monkeypatch: pytest.MonkeyPatch) -> list[float]:
         if proposal is not None:
             found.append(proposal.moment.travel)
     return found
+
+
+@pytest.mark.parametrize("steps_left", [0, 1, 2])
+def test_the_last_moments_of_a_drive_are_examined_when_it_ends(
+    steps_left: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("topomap.mapping.places.recognition.THRESHOLD", 0.5)
+    recognition = Recognition(RecognitionSettings())
+    several = views(0.9, 40)
+    for k, one in enumerate(several[:30]):
+        recognition.update(k, float(k), one, np.zeros(0, np.int64))
+        recognition.add(k, float(k), one)
+    for k, one in enumerate([*several[30:35], several[4], *several[35 : 35 + steps_left]]):
+        recognition.update(100 + k, 60.0 + 0.04 * k, one, np.arange(10))
+        assert recognition.proposal() is None
+    proposal = recognition.proposal(ended=True)
+    assert proposal is not None
+    assert (proposal.moment.stamp_ns, proposal.places[0].node) == (105, 4)
+    assert recognition.proposal(ended=True) is None

@@ -13,10 +13,12 @@ from topomap.core.arrays import Float32Array, Image
 from topomap.core.panorama import Panorama
 from topomap.core.recorded import RecordedReading, RecordedRig
 from topomap.core.records import Motion
+from topomap.vision.matching.scan_match import match_scans
 from topomap.vision.registry import aligned_homing, aligner
 
 WIDTH, HEIGHT = 64, 24  # kernels are compiled by type, whatever the size
 AROUND, LAP = 60, 12.0  # steps and way [m] round the circle
+RAYS = 360  # so many as scans need that are to lie over one another
 ENOUGH = 90  # steps: by then loops have been closed and solved
 
 
@@ -41,6 +43,8 @@ def _drive_round() -> None:
             image, far = views[k % AROUND]
             navigator.step(RecordedReading(stamp_ns=(k + 1) * 200_000_000, motion=MOTION, rig=RIG, image=image,
                                            ranges=far, driven=True))  # fmt: skip
+    fine = np.full(RAYS, 3.0, np.float32)
+    match_scans(fine, fine, np.zeros(3))
 
 
 def _home(config: StackConfig) -> None:

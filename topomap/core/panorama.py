@@ -6,6 +6,7 @@ from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field
 from typing import TypeVar, cast
 
+import cv2
 import numpy as np
 
 from topomap.core.arrays import Float32Array, Image
@@ -53,7 +54,7 @@ class Panorama:
         """
         if image.ndim != 3 or image.shape[1] != rig.width:
             raise ShapeError(f"recorded image is {image.shape}, the rig says ({rig.height}, {rig.width}, 3)")
-        ordered = image[:, ::-1] if rig.clockwise else image
+        ordered = cv2.flip(np.ascontiguousarray(image), 1) if rig.clockwise else image
         nose = rig.width - 1 - rig.forward_column if rig.clockwise else rig.forward_column
         return Panorama(np.roll(ordered, -nose, axis=1), ranges, Rig.of(rig))
 

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
+from scipy.special import stdtrit
 
 from topomap.core.arrays import FloatArray
 
@@ -35,7 +35,7 @@ def mean_interval(values: FloatArray) -> Interval:
     mean = float(np.mean(values))
     if count == 1:
         return Interval(mean, math.nan, math.nan)
-    half = float(stats.t.ppf(0.975, count - 1)) * float(np.std(values, ddof=1)) / math.sqrt(count)
+    half = float(stdtrit(count - 1, 0.975)) * float(np.std(values, ddof=1)) / math.sqrt(count)
     return Interval(mean, mean - half, mean + half)
 
 

@@ -144,6 +144,11 @@ class Mapper:
         )
 
     @property
+    def _believes(self) -> bool:
+        """Whether the robot knows where it is, so that it can claim to see places again."""
+        return not self.lost and self._gap is None
+
+    @property
     def doubted(self) -> bool:
         """Whether wheels and views contradict one another now."""
         return self._watch.doubted
@@ -199,8 +204,12 @@ class Mapper:
         self._closing.testify(candidate, agrees, reason)
 
     def finish(self, stamp_ns: int) -> None:
-        """End the map at the last reading, so that every step lies on it, and correct it a last time."""
+        """End the map at the last reading, so that every step lies on it; judge what the last views showed, and correct
+        the map a last time.
+        """
         self.track.node_at(stamp_ns)
+        while self._believes and (proposal := self.recognition.proposal(ended=True)) is not None:
+            self._closing.judge(stamp_ns, proposal)
         self.optimisation.finish(stamp_ns, self.ledger)
 
     def graph_hash(self) -> str:
@@ -279,7 +288,7 @@ class Mapper:
         travel = self.track.travel
         reachable = self._closing.within_reach(self.recognition.old_nodes(travel))
         place = self.recognition.update(stamp_ns, travel, panorama, reachable)
-        if self.lost or self._gap is not None:
+        if not self._believes:
             self.recognition.pass_over()
             return place, self._closing.judge(stamp_ns, None)
         return place, self._closing.judge(stamp_ns, self.recognition.proposal())

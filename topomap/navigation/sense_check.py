@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from statistics import median
 
 import numpy as np
 
@@ -96,6 +97,6 @@ class SenseCheck:
         return np.where(valid, panorama.ranges, np.float32(np.nan)).astype(np.float32)
 
     def _is_late(self, dt: float) -> bool:
-        usual = float(np.median(self._usual)) if self._usual else dt
+        usual = median(self._usual) if self._usual else dt
         self._usual.append(dt)
         return dt > LATE * usual > 0.0

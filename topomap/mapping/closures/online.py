@@ -5,26 +5,23 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 from pydantic import BaseModel, Field
 
 from topomap.core.arrays import IntArray
-from topomap.core.evidence import Evidence
-from topomap.core.geometry import Pose2
 from topomap.core.records import Candidate, Decision, Verdict
-from topomap.mapping.closures.appearance import APART, Appearance, Outcome, apart
+from topomap.mapping.closures.appearance import APART
 from topomap.mapping.closures.claims import Claims
 from topomap.mapping.closures.closure_tests import ClosureTest, Knowledge
 from topomap.mapping.closures.engine import ClosureEngine
 from topomap.mapping.closures.gates import Gate
 from topomap.mapping.closures.ledger import Ledger
-from topomap.mapping.closures.looks import LogRatio, UsualCost
 from topomap.mapping.closures.odds import mahalanobis
 from topomap.mapping.closures.relative_pose import RelativePoseEstimator, RelativePoseSettings
 from topomap.mapping.closures.robot_tests import GATE, RobotTests
 from topomap.mapping.closures.seen import Seen
+from topomap.mapping.closures.sight import Sight
 from topomap.mapping.closures.voting import Voting
 from topomap.mapping.optimisation import Optimisation
 from topomap.mapping.optimizer.problem import ClosureEdge
@@ -38,8 +35,6 @@ from topomap.vision.contracts import Aligner
 
 REACH = 0.99  # probability that the true place is among those compared
 ALONE = 1.2  # [m] where odometry knows the place better than this, or than views tell places apart, it leaves no other
-EQUALLY = 0.35  # share of the difference between any two places below which one view is as good as another
-SLOW = 0.7  # [m] catchment from which on that happens: snapshots lie 0.25 to 1 m apart
 
 
 class ClosingSettings(BaseModel, frozen=True, extra="forbid"):
@@ -47,16 +42,6 @@ class ClosingSettings(BaseModel, frozen=True, extra="forbid"):
 
     certainty: float = Field(0.5, gt=0, lt=1, description="a closure less probable than this waits for others to agree")
     offset: RelativePoseSettings = Field(default_factory=RelativePoseSettings)
-
-
-class Clear(NamedTuple):
-    """What the images tell of a place: its difference over the likest other place's, and a log likelihood ratio."""
-
-    ratio: float
-    looks: float
-
-
-UNCLEAR = Clear(math.inf, -math.inf)
 
 
 class Closing:
@@ -81,22 +66,19 @@ class Closing:
         self._track, self._map, self._view_cache = track, track.map, view_cache
         self._optimisation = optimisation
         self._alone = math.log(settings.certainty / (1.0 - settings.certainty))
-        self._appearance = Appearance(aligner)
-        self._looks = LogRatio()
         self._engine, self._stages = ClosureEngine(own.all(), ledger), own.stages()
         self._offset = RelativePoseEstimator(settings.offset)
-        self._usual = UsualCost()
         self._voting = Voting(track.map)
         self._testimonies: list[tuple[Candidate, bool, str]] = []
         self._unsaid: list[Decision] = []
         self._catchment = Catchment() if catchment is None else catchment
-        self._contrast = Contrast() if contrast is None else contrast
+        self._sight = Sight(aligner, track, view_cache, self._offset.same_spot, self._catchment, contrast or Contrast())
         self._reachability = Reachability(track.map, optimisation, settings.offset.position_sigma, REACH)
 
     @property
     def apart(self) -> float:
         """How far from one another two places are that the views tell apart [m]."""
-        return apart(self._catchment.length)
+        return self._sight.apart
 
     def within_reach(self, nodes: IntArray) -> IntArray:
         """Return those of some older nodes (n,) at which odometry allows the robot to be now."""
@@ -142,89 +124,20 @@ class Closing:
         return self._vote(stamp_ns, checked, "odometry leaves several places open", f"; {reason}")
 
     def _by_sight(self, stamp_ns: int, proposal: Proposal) -> list[Decision]:
-        """Compare the likeliest places in detail; a clear winner goes on to the odometry's test.
-
-        Where odometry leaves several places open, the true one may not be on the map at all: then what looks alike
-        elsewhere, out of reach, tells how much a likeness is worth.
-        """
-        catchment = self._catchment.length
-        open_places = self._reachability.reach(proposal.places[0].node) > max(ALONE, APART * catchment)
-        near = {place.node for place in proposal.places}
-        rivals = [rival for rival in proposal.rivals if open_places and rival.node not in near]
-        outcome = self._appearance.compare(
-            proposal.moment.panorama, proposal.places, rivals, self._view_cache.panorama, self._map.length, catchment
-        )
-        outcome = self._nearest(proposal.moment.stamp_ns, outcome)
-        clear = self._clear(proposal, outcome)
-        outcome = replace(outcome, ratio=min(outcome.ratio, clear.ratio))
-        looks = max(self._looks.of(self._elsewhere(proposal, outcome), open_places), clear.looks)
-        seen = self._seen(proposal, outcome, clear.looks > 0.0)
-        rotated = Pose2(0.0, 0.0, outcome.winner.alignment.rotation)
-        candidate = self._candidate(proposal, outcome, rotated, looks)
+        """Compare the likeliest places in detail; a clear winner goes on to the odometry's test."""
+        alone = max(ALONE, APART * self._catchment.length)
+        open_places = self._reachability.reach(proposal.places[0].node) > alone
+        candidate, seen, winner = self._sight.compare(proposal, open_places)
         if objection := self._objection(candidate, seen, self._stages[0]):
             return [self._engine.decide(stamp_ns, candidate, Verdict.REFUSED, objection)]
-        place = self._view_cache.panorama(outcome.winner.match.node)
-        offset = self._offset.measure(outcome.winner, place, proposal.moment.panorama, self._catchment.length)
+        place = self._view_cache.panorama(candidate.match)
+        offset = self._offset.measure(winner, place, proposal.moment.panorama, self._catchment.length)
         candidate = replace(candidate, relative=offset.relative, covariance=offset.covariance)
         candidate = _with(candidate, share=offset.share)
-        self._usual.learn(outcome.winner.alignment.residual)
+        self._sight.believed(winner)
         if objection := self._objection(candidate, seen, self._stages[1]):
             return [self._engine.decide(stamp_ns, candidate, Verdict.REFUSED, objection)]
         return self._by_odometry(stamp_ns, candidate, seen, open_places)
-
-    def _nearest(self, stamp_ns: int, outcome: Outcome) -> Outcome:
-        """Return an outcome whose winner is the place, of those equally alike, that lies nearest by odometry.
-
-        Where the view changes slowly several snapshots show the same, and which of them is the most alike is chance.
-        """
-        best = outcome.winner.match.difference
-        limit = max(best, EQUALLY * self._catchment.other)
-        equal = [look for look in outcome.alike if look.match.difference <= limit]
-        if len(equal) < 2 or self._catchment.length < SLOW:
-            return outcome
-        here = self._track.pose_at(stamp_ns)
-        return replace(outcome, winner=min(equal, key=lambda look: self._away(here, look.match.node)))
-
-    def _away(self, here: Pose2, node: int) -> float:
-        there = self._map.pose(node)
-        return math.hypot(there.x - here.x, there.y - here.y)
-
-    def _elsewhere(self, proposal: Proposal, outcome: Outcome) -> Outcome:
-        """Return an outcome with what places elsewhere cost, looked up where that isn't known at all yet."""
-        if self._looks.known or np.isfinite(outcome.elsewhere):
-            return outcome
-        cost = self._appearance.elsewhere(
-            proposal.moment.panorama, outcome.winner, proposal.rivals, self._view_cache.panorama, self._map.length,
-            self._catchment.length,
-        )  # fmt: skip
-        return replace(outcome, elsewhere=cost)
-
-    def _clear(self, proposal: Proposal, outcome: Outcome) -> Clear:
-        """Return what the images' differences alone tell."""
-        match = outcome.winner.match
-        others = [value for node, value in proposal.older.items() if self._map.length(node, match.node) > self.apart]
-        if not others:
-            return UNCLEAR
-        rival = min(others)
-        looks = self._contrast.log_ratio(match.difference, rival)
-        return Clear(match.difference / max(rival, 1e-9), looks) if looks > 0.0 else UNCLEAR
-
-    def _seen(self, proposal: Proposal, outcome: Outcome, clear: bool) -> Seen:
-        match, cost = outcome.winner.match, outcome.winner.alignment.residual
-        compared = match.node in proposal.moment.difference
-        return Seen.of_one(match.difference, proposal.limit, cost, outcome.ratio, self._usual.value, compared, clear)
-
-    def _candidate(self, proposal: Proposal, outcome: Outcome, relative: Pose2, looks: float) -> Candidate:
-        match, cost = outcome.winner.match, outcome.winner.alignment.residual
-        return Candidate(
-            proposal.moment.stamp_ns,
-            match.node,
-            self._map.nodes[match.node].stamp_ns,
-            relative,
-            self._offset.same_spot,
-            max(0.0, 1.0 - cost),
-            evidence=Evidence(match.difference, proposal.limit, cost, outcome.ratio, looks=looks),
-        )
 
     def _objection(self, candidate: Candidate, seen: Seen, stage: slice) -> str:
         """Return why a candidate without a node of its own fails a stage, or an empty string."""

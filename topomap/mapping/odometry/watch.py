@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from statistics import median
 
 import numpy as np
 
@@ -129,7 +130,7 @@ class OdometryWatch:
     def _restate(self, panorama: Panorama, read: Motion, turn: float, leapt: bool, turned: bool, moves: bool) -> None:
         """Take the step as what is seen has it, where the odometry's can't be true; turn: by the views [rad], asked
         where one of these holds."""
-        usual = float(np.median(self._driven)) if self._driven else 0.0
+        usual = median(self._driven) if self._driven else 0.0
         by_usual = leapt or self._scans.untrue
         if by_usual or turned:
             ways = SEEN_WAY if by_usual else None
@@ -162,16 +163,16 @@ class OdometryWatch:
     @property
     def _still(self) -> float:
         """Way up to which the wheels stand [m]."""
-        return min(STILL, STILL_SHARE * float(np.median(self._ways))) if self._ways else 0.0
+        return min(STILL, STILL_SHARE * median(self._ways)) if self._ways else 0.0
 
     @property
     def _usual(self) -> float:
-        return float(np.median(self._changes)) if self._changes else 0.0
+        return median(self._changes) if self._changes else 0.0
 
     def _jumped(self, change: float, way: float) -> bool:
         if len(self._changes) < FEWEST:
             return False
-        longer = max(1.0, way / float(np.median(self._ways)))
+        longer = max(1.0, way / median(self._ways))
         return change > max(TIMES * self._usual * longer, LEAST, MORE * self._lately)
 
     def _contradicted(self, change: float, way: float, driven: float) -> tuple[int, int]:
@@ -183,7 +184,7 @@ class OdometryWatch:
         if len(self._changes) < FEWEST:
             return 0, 0
         usual = self._usual
-        slow = min(driven / float(np.median(self._ways)), 1.0)
+        slow = min(driven / median(self._ways), 1.0)
         self._dead = self._dead + 1 if way <= self._still and MOVING * usual < change else 0
         self._spinning = self._spinning + 1 if driven > self._still and change < UNMOVED * usual * slow else 0
         return dead, spinning

@@ -7,10 +7,13 @@ exactly.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+
 import numpy as np
 
 from topomap.core.arrays import Complex64Array, Float32Array, FloatArray, IntArray
 from topomap.vision.image.compare import RotationDifferences, Signature, rotation_differences, squared_differences
+from topomap.vision.matching.kernels import spectra_powers
 
 FREQUENCIES = 16
 BLOCK = 64
@@ -23,6 +26,7 @@ class PlaceIndex:
     def __init__(self) -> None:
         self._spectra: Complex64Array = np.zeros((0, 0, 0), np.complex64)
         self._keys: Float32Array = np.zeros((0, 0), np.float32)
+        self._powers: FloatArray = np.zeros(0)
         self._count = 0
 
     def __len__(self) -> int:
@@ -32,7 +36,7 @@ class PlaceIndex:
     @property
     def nbytes(self) -> int:
         """How much memory the stored views take [bytes], room for more included."""
-        return self._spectra.nbytes + self._keys.nbytes
+        return self._spectra.nbytes + self._keys.nbytes + self._powers.nbytes
 
     def add(self, view: Signature) -> None:
         """Store a view at the end."""
@@ -40,11 +44,13 @@ class PlaceIndex:
         if self._count == len(self._spectra):
             size = max(64, self._count * 3 // 2)
             spectra = np.zeros((size, *view.spectrum.shape), np.complex64)
-            keys = np.zeros((size, len(key)), np.float32)
+            keys, powers = np.zeros((size, len(key)), np.float32), np.zeros(size)
             if self._count:
                 spectra[: self._count], keys[: self._count] = self._spectra, self._keys
-            self._spectra, self._keys = spectra, keys
+                powers[: self._count] = self._powers
+            self._spectra, self._keys, self._powers = spectra, keys, powers
         self._spectra[self._count], self._keys[self._count] = view.spectrum, key
+        self._powers[self._count] = spectra_powers(view.spectrum[np.newaxis], view.pixels.shape[1])[0]
         self._count += 1
 
     def replace(self, place: int, view: Signature) -> None:
@@ -55,11 +61,14 @@ class PlaceIndex:
         """Return the differences to some stored views (n,)."""
         if not len(places):
             return RotationDifferences(np.zeros(0, np.float32), np.zeros(0))
-        return rotation_differences(view, self._spectra[places])
+        return rotation_differences(view, self._spectra[places], self._powers[places])
 
-    def curves(self, view: Signature, places: IntArray) -> FloatArray:
-        """Return the mean squared differences (n, C) to some stored views, this one rolled by 0, 1, .. C-1 columns."""
-        return squared_differences(view, self._spectra[places])
+    def curves(self, views: Sequence[Signature], places: IntArray) -> Iterator[FloatArray]:
+        """Return, for each view, the mean squared differences (n, C) to some stored ones, the view rolled by 0, 1, ..
+        C-1 columns.
+        """
+        spectra, powers = self._spectra[places], self._powers[places]
+        return (squared_differences(view, spectra, powers) for view in views)
 
     def search(self, view: Signature, count: int, first: int | None = None) -> tuple[IntArray, RotationDifferences]:
         """Return the `count` views most like this one among [0, first), by default all, best first.

@@ -6,6 +6,7 @@ from array import array
 from bisect import bisect_right
 from collections import deque
 from dataclasses import dataclass, field
+from statistics import median
 
 import numpy as np
 from pydantic import BaseModel, Field
@@ -168,7 +169,7 @@ class Recognition:
     @property
     def limit(self) -> float:
         """The image difference above which nothing is proposed: a share of that to other places; 0 at first."""
-        return THRESHOLD * float(np.median(self._usual)) if self._usual else 0.0
+        return THRESHOLD * median(self._usual) if self._usual else 0.0
 
     def _learn(self, view: Signature, travel: float) -> None:
         """Learn how different other places look, from nodes that were left too recently to be seen again."""
@@ -193,9 +194,12 @@ class Recognition:
         """Leave all moments so far unexamined for good: the robot didn't know where it was."""
         self._examined = self._count
 
-    def proposal(self) -> Proposal | None:
-        """Return a moment some steps ago if the view was then most like a place within reach, once a pass."""
-        while (place := self._next_known()) is not None:
+    def proposal(self, ended: bool = False) -> Proposal | None:
+        """Return a moment some steps ago if the view was then most like a place within reach, once a pass.
+
+        ended: no step comes after the last one, so that the last moments are told by what was before them.
+        """
+        while (place := self._next_known(ended)) is not None:
             self._examined += 1
             if self._is_proposed(place):
                 moment = self._recent[place]
@@ -203,10 +207,12 @@ class Recognition:
                 return Proposal(moment, moment.places[:SHORTLIST], moment.rivals, self.limit, self._older(moment))
         return None
 
-    def _next_known(self) -> int | None:
+    def _next_known(self, ended: bool) -> int | None:
         """Return where in `_recent` the first moment stands that wasn't examined, None until enough came after it."""
         place = len(self._recent) - (self._count - self._examined)
         after = len(self._recent) - 1 - place
+        if ended:
+            return place if after >= 0 else None
         if after < LAG:
             return None
         gone = self._recent[-1].travel - self._recent[place].travel

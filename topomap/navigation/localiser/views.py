@@ -108,10 +108,10 @@ def look(
 
 def _least(view: Surroundings, recognition: Recognition, places: IntArray) -> tuple[FloatArray, IntArray]:
     """Return the least squared differences (k, C) of all points around, and which point it was (k, C)."""
-    squares = recognition.index.curves(view.views[0], places)
+    curves = recognition.index.curves(view.views, places)
+    squares = next(curves)
     which = np.zeros(squares.shape, np.int64)
-    for point, one in enumerate(view.views[1:], start=1):
-        other = recognition.index.curves(one, places)
+    for point, other in enumerate(curves, start=1):
         less = other < squares
         squares[less], which[less] = other[less], point
     return squares, which

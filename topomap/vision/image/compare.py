@@ -14,7 +14,7 @@ from topomap.core.arrays import Complex64Array, Float32Array, FloatArray
 from topomap.core.errors import ShapeError
 from topomap.core.geometry import TAU, wrap_all
 from topomap.core.panorama import Panorama
-from topomap.vision.matching.kernels import spectra_products
+from topomap.vision.matching.kernels import spectra_powers, spectra_products
 
 BLANK = 1e-3
 """Standard deviation in grey values below which a picture holds nothing; it is then all zeros."""
@@ -113,14 +113,16 @@ def rotation_difference(current: Signature, stored: Signature) -> tuple[float, f
     return float(found.difference[0]), float(found.rotation[0])
 
 
-def rotation_differences(current: Signature, spectra: Complex64Array) -> RotationDifferences:
+def rotation_differences(
+    current: Signature, spectra: Complex64Array, powers: FloatArray | None = None
+) -> RotationDifferences:
     """Compare with N stored spectra (N, R, C//2 + 1) at every rotation at once, to a fraction of a column.
 
-    Raises ShapeError.
+    powers (N,): theirs, where they are known. Raises ShapeError.
     """
     if spectra.shape[1:] != current.spectrum.shape:
         raise ShapeError(f"stored spectra are {spectra.shape[1:]}, the signature's is {current.spectrum.shape}")
-    squares = squared_differences(current, spectra)
+    squares = squared_differences(current, spectra, powers)
     best = squares.argmin(axis=1)
     rows, columns = np.arange(len(best)), squares.shape[1]
     below, here, above = (squares[rows, (best + step) % columns] for step in (-1, 0, 1))
@@ -129,15 +131,18 @@ def rotation_differences(current: Signature, spectra: Complex64Array) -> Rotatio
     return RotationDifferences(np.sqrt(np.maximum(low, 0.0)).astype(np.float32), rotation)
 
 
-def squared_differences(current: Signature, spectra: Complex64Array) -> FloatArray:
+def squared_differences(current: Signature, spectra: Complex64Array, powers: FloatArray | None = None) -> FloatArray:
     """Return the mean squared difference (N, C) of stored views to the current one rolled by 0, 1, .. C-1
     columns.
+
+    powers (N,): of the stored views, where they are known.
     """
     rows, columns = current.pixels.shape
-    products, powers = spectra_products(spectra, np.conj(current.spectrum), columns)
+    products = spectra_products(spectra, np.conj(current.spectrum))
+    theirs = spectra_powers(spectra, columns) if powers is None else powers
     own = float(np.square(current.pixels, dtype=np.float64).mean())
     correlation = np.fft.irfft(products, n=columns, axis=1)
-    result: FloatArray = powers[:, np.newaxis] + own - (2.0 / (rows * columns)) * correlation
+    result: FloatArray = theirs[:, np.newaxis] + own - (2.0 / (rows * columns)) * correlation
     return result
 
 

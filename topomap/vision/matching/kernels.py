@@ -9,27 +9,42 @@ from topomap.core.arrays import Complex64Array, Float32Array, FloatArray, Int8Ar
 
 
 @njit(cache=True)
-def spectra_products(
-    spectra: Complex64Array, conjugate: Complex64Array, columns: int
-) -> tuple[Complex64Array, FloatArray]:
-    """Return sum over rows of spectra (N, R, F) times conjugate (R, F): (N, F), and each picture's mean power
-    (N,).
+def spectra_products(spectra: Complex64Array, conjugate: Complex64Array) -> Complex64Array:
+    """Return the sum over rows of spectra (N, R, F) times conjugate (R, F): (N, F).
 
-    The power follows from the half spectrum (Parseval), every line but the first and the Nyquist line twice.
+    Real and imaginary parts apart: the compiler then takes eight lines at once, and the bits stay the same.
     """
     count, rows, lines = spectra.shape
-    products = np.zeros((count, lines), np.complex64)
+    products = np.empty((count, lines), np.complex64)
+    real, imaginary = np.empty(lines, np.float32), np.empty(lines, np.float32)
+    for n in range(count):
+        real[:], imaginary[:] = 0.0, 0.0
+        for r in range(rows):
+            for f in range(lines):
+                a, b = spectra[n, r, f], conjugate[r, f]
+                real[f] += a.real * b.real - a.imag * b.imag
+                imaginary[f] += a.real * b.imag + a.imag * b.real
+        for f in range(lines):
+            products[n, f] = complex(real[f], imaginary[f])
+    return products
+
+
+@njit(cache=True)
+def spectra_powers(spectra: Complex64Array, columns: int) -> FloatArray:
+    """Return each picture's mean power (N,) from its half spectrum (R, F): every line but the first and the Nyquist
+    line counts twice (Parseval).
+    """
+    count, rows, lines = spectra.shape
     powers = np.zeros(count)
     single = lines - 1 if columns % 2 == 0 else lines
     for n in range(count):
         for r in range(rows):
             for f in range(lines):
                 value = spectra[n, r, f]
-                products[n, f] += value * conjugate[r, f]
                 energy = value.real * value.real + value.imag * value.imag
                 powers[n] += energy if f == 0 or f == single else 2.0 * energy
         powers[n] /= rows * columns * columns
-    return products, powers
+    return powers
 
 
 @njit(cache=True)

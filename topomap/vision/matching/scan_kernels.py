@@ -95,3 +95,31 @@ def normal_equations(
         error += weight * off * off
         used += 1
     return information, gradient, error, used
+
+
+@njit(cache=True)
+def in_pairs(information: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return an information (3, 3) with its turn scaled by how far it moves the points, and the scales (3,)."""
+    arm = math.sqrt(max(information[2, 2] / max(information[0, 0] + information[1, 1], 1e-12), 1e-12))
+    scale = np.array([1.0, 1.0, 1.0 / arm])
+    pairs = np.empty((3, 3))
+    for a in range(3):
+        for b in range(3):
+            pairs[a, b] = information[a, b] * scale[a] * scale[b]
+    return pairs, scale
+
+
+@njit(cache=True)
+def inverse_of(
+    values: FloatArray, directions: FloatArray, scale: FloatArray, least: float, otherwise: float
+) -> FloatArray:
+    """Return the inverse (3, 3) of scaled pairs with eigenvalues (3,) in directions (3, 3): those up to `least` count
+    as `otherwise`.
+    """
+    inverse = np.zeros((3, 3))
+    for k in range(3):
+        weight = 1.0 / max(values[k], 1e-12) if values[k] > least else otherwise
+        for a in range(3):
+            for b in range(3):
+                inverse[a, b] += weight * directions[a, k] * directions[b, k] * scale[a] * scale[b]
+    return inverse

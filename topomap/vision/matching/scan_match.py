@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
 from topomap.core.arrays import Float32Array, FloatArray
 from topomap.core.geometry import wrap
-from topomap.vision.matching.scan_kernels import normal_equations, surfaces
+from topomap.vision.matching.scan_kernels import in_pairs, inverse_of, normal_equations, surfaces
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,22 +63,27 @@ def match_scans(a: Float32Array, b: Float32Array, guess: FloatArray, surfaced: S
     points, normals = surfaces(a.astype(float), NEIGHBOURS, s.flatness)
     moved, moved_normals = surfaces(b.astype(float), NEIGHBOURS, s.flatness)
     pose = np.array(guess, float)
-    for cutoff in np.geomspace(s.widest, s.narrowest, ITERATIONS - 2).tolist() + 2 * [s.narrowest]:
+    for cutoff in _cutoffs(s.widest, s.narrowest):
         information, gradient, error, used = normal_equations(
             points, normals, moved, moved_normals, pose, cutoff, WINDOW
         )
         if used < s.min_share * len(a):
             return None
-        pose -= _inverse(information, TOLD) @ gradient
+        pose -= _inverse(information) @ gradient
         pose[2] = wrap(float(pose[2]))
     variance = max(s.sigma**2, error / used)
-    return ScanMatch(pose, variance * _inverse(information, TOLD, UNMEASURED), used / len(a))
+    return ScanMatch(pose, variance * _inverse(information, UNMEASURED), used / len(a))
 
 
 UNMEASURED = 1e6  # the variance of a direction that too few pairs constrain, in pair variances
 
 
-def _inverse(information: FloatArray, told: float, otherwise: float = 0.0) -> FloatArray:
+@cache
+def _cutoffs(widest: float, narrowest: float) -> list[float]:
+    return [*np.geomspace(widest, narrowest, ITERATIONS - 2).tolist(), narrowest, narrowest]
+
+
+def _inverse(information: FloatArray, otherwise: float = 0.0) -> FloatArray:
     """Invert an information (3, 3) in the directions that enough pairs constrain; the others get `otherwise`.
 
     Because normals are noisy, every direction looks constrained a little, even along a bare corridor, and the position
@@ -85,17 +91,19 @@ def _inverse(information: FloatArray, told: float, otherwise: float = 0.0) -> Fl
     uncertainty would spread into the turn, which the walls measure well. The turn is scaled by how far it moves the
     points, so that all three directions are measured in pairs.
     """
-    arm = np.sqrt(max(information[2, 2] / max(information[0, 0] + information[1, 1], 1e-12), 1e-12))
-    scale = np.array([1.0, 1.0, 1.0 / arm])
-    pairs = information * np.outer(scale, scale)
+    pairs, scale = in_pairs(information)
     values, directions = np.linalg.eigh(pairs)
-    least = told * float(values[-1])
-    untold = directions[:2, (values <= least) & (directions[2] ** 2 < 0.5)]
-    shifts, _, _ = np.linalg.svd(untold)
-    lost, kept = np.zeros((3, untold.shape[1])), np.eye(3)[:, untold.shape[1] :]
-    lost[:2], kept[:2, :-1] = np.split(shifts, [untold.shape[1]], axis=1)
-    values, directions = np.linalg.eigh(kept.T @ pairs @ kept)
-    directions = kept @ directions
-    weights = np.where(values > least, 1.0 / np.maximum(values, 1e-12), otherwise)
-    inverse: FloatArray = ((directions * weights) @ directions.T + otherwise * lost @ lost.T) * np.outer(scale, scale)
+    least = TOLD * float(values[2])
+    untold = (values <= least) & (directions[2] ** 2 < 0.5)
+    if values[0] <= least and untold.any():
+        kept = _without(directions[:2, untold])
+        values, directions = np.linalg.eigh(kept @ pairs @ kept)
+    inverse: FloatArray = inverse_of(values, directions, scale, least, otherwise)
     return inverse
+
+
+def _without(lost: FloatArray) -> FloatArray:
+    """Return the projection (3, 3) that removes directions (2, K) of the position, one or both."""
+    kept = np.eye(3)
+    kept[:2, :2] -= np.outer(lost, lost) / (lost[:, 0] @ lost[:, 0]) if lost.shape[1] == 1 else np.eye(2)
+    return kept
