@@ -88,8 +88,6 @@ def rooms() -> list[np.ndarray]:
         reach = np.minimum.reduce([w / np.maximum(np.cos(angle - k * math.pi / 2), 1e-3) for k, w in enumerate(walls)])
         things = rng.uniform([0.0, 0.05, 0.15], [math.tau, 0.4, 2.0], (4, 3))
         for at, wide, away in things:
-            rng.uniform(0, math.tau, 4), rng.uniform(0.05, 0.4, 4), rng.uniform(0.15, 2.0, 4), strict=True
-        ):
             reach[np.abs(np.remainder(angle - at + math.pi, math.tau) - math.pi) < wide] = away
         reach[rng.random(180) < 0.05] = np.nan
         found.append(reach.astype(np.float32))
