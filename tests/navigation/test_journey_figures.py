@@ -12,8 +12,9 @@ from kept import as_before
 from maps import square
 from roamer import Roamer, difference
 
-from topomap.core.geometry import Pose2
-from topomap.core.records import HomeVector, Hypothesis
+from topomap.core.geometry import Pose2, wrap
+from topomap.core.panorama import Panorama
+from topomap.core.records import Alignment, HomeVector, Hypothesis
 from topomap.navigation import sight
 from topomap.navigation.arrival import Arrival
 from topomap.navigation.edge_costs import Shut, costs, edges_of
@@ -136,3 +137,25 @@ def test_arrivals_are_as_before() -> None:
         met = [arrival.update(float(one)) for one in curve]
         found.append(met.index(True) if True in met else -1)
     as_before("arrivals", {"steps": found})
+
+
+class Expecting:
+    """A compass that knows, and keeps how far off it was told to look."""
+
+    def __init__(self) -> None:
+        self.off: list[float] = []
+
+    def align(self, current: Panorama, goal: Panorama, prior: float | None = None) -> Alignment:
+        found = KnowingCompass().align(current, goal)
+        self.off.append(abs(wrap(found.rotation - (prior or 0.0))))
+        return found
+
+
+def test_a_milestone_is_looked_for_as_the_wheels_turned(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sight, "aligned_difference", difference)
+    compass = Expecting()
+    robot = Roamer(pose=Pose2(0.0, 0.0, 2.0), lost=0.06, homing=AlignedHoming(compass, Knowing()))
+    robot.travel(3, 25)
+    assert max(abs(command.turn) for command in robot.commands) > 0.5
+    assert float(np.median(compass.off)) < 0.02  # as fine as a view tells its heading
+    assert sum(off > 0.1 for off in compass.off) <= 2
