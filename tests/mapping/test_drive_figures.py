@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import astuple, replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -18,6 +20,8 @@ from topomap.mapping.closures.difference_rule import DifferenceRule, DifferenceR
 from topomap.mapping.closures.relative_pose import RelativePoseSettings
 from topomap.mapping.graph import TopoMap
 from topomap.mapping.mapper import Mapper
+from topomap.mapping.odometry.increments import Calibration
+from topomap.mapping.odometry.watch import OdometryWatch
 from topomap.mapping.places.place_groups import group_places
 from topomap.mapping.sessions.condense import condense
 from topomap.mapping.sessions.cross_claims import CrossClaims
@@ -28,6 +32,7 @@ from topomap.vision.registry import aligner
 STEPS = LAP + 45
 
 
+@cache
 def readings() -> list[Reading]:
     """What the robot senses; its turns read too large, increments, images and ranges are noisy."""
     robot, rng, found = RoundRobot(STEPS + 5), np.random.default_rng(11), []
@@ -113,3 +118,41 @@ def test_the_thesis_own_rule_is_as_before() -> None:
                 [closure.now, closure.old, closure.rotation, closure.difference, closure.k_theta, closure.k_d]
             )
     as_before("difference rule", {"closed": closed, "path": rule.path[::5], "kept": rule.kept})
+
+
+def spoilt() -> dict[str, Callable[[int, Reading], Reading]]:
+    """What odometry and senses do wrong, from step 40 on and for a while."""
+
+    def moved(**times: float) -> Callable[[int, Reading], Reading]:
+        def change(k: int, reading: Reading) -> Reading:
+            motion = reading.motion
+            forward = motion.forward * times.get("way", 1.0) + times.get("leap", 0.0)
+            turn = motion.turn * times.get("turn", 1.0) + times.get("more", 0.0)
+            wrong = replace(reading, motion=replace(motion, forward=forward, turn=turn), quality=None)
+            return wrong if 40 <= k < 40 + times.get("steps", 12) else reading
+
+        return change
+
+    still = readings()[39].image
+    return {
+        "well": lambda k, reading: reading,
+        "slip": moved(way=2.5),
+        "dead": moved(way=0.0, turn=0.0),
+        "one wheel": moved(way=0.5, more=0.25),
+        "reset": moved(leap=-6.0, more=1.0, steps=1),
+        "blind": lambda k, reading: replace(moved(way=0.0, turn=0.0)(k, reading), ranges=None, quality=None),
+        "spun": lambda k, r: replace(r, image=still, ranges=None, encoded=b"", quality=None) if 40 <= k < 48 else r,
+    }
+
+
+@pytest.mark.parametrize("name", spoilt())
+def test_what_is_said_of_odometry_is_as_before(name: str) -> None:
+    watch, told, words, change = OdometryWatch(), [], [], spoilt()[name]
+    for k, whole in enumerate(readings()[:70]):
+        reading = change(k, whole)
+        broken = watch.judge(Panorama.from_reading(reading), reading.motion, Calibration(1.03, 0.0, 0.97))
+        words += [f"{k}: {word}" for word in (broken, watch.said) if word]
+        if watch.seen is not None:
+            told.append([k, *(-1.0 if one is None else one for one in astuple(watch.seen))])
+        told.append([k, watch.doubted, watch.turned])
+    as_before("odometry watched", {name: [one for row in told for one in row], f"{name}, said": words}, part=True)

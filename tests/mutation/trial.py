@@ -15,6 +15,7 @@ import pytest
 
 HEAVY = ("numpy", "scipy.optimize", "scipy.spatial", "cv2", "gtsam", "numba", "networkx", "pydantic", "mcap.reader",
          "google.protobuf.message", "typer", "rich.table", "matplotlib.pyplot", "hypothesis", "pymunk")  # fmt: skip
+MOST = 8
 OPTIONS = ["-q", "-p", "no:cacheprovider", "--no-header", "--tb=no", "--durations=0"]
 
 
@@ -41,11 +42,15 @@ def load(root: Path, tests: tuple[str, ...]) -> None:
 
 
 class Chosen:
-    """A pytest plugin: these tests, in this order; one that takes longer than so many seconds says nothing."""
+    """A pytest plugin: these tests, in this order; one that takes longer than so many seconds says nothing.
+
+    Nor do those that come after MOST times as long.
+    """
 
     def __init__(self, order: list[str], each_s: float | None = None) -> None:
         self._order = {test: k for k, test in enumerate(order)}
         self._each_s = each_s
+        self._began = time.process_time()
 
     @pytest.hookimpl(trylast=True)
     def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
@@ -58,6 +63,8 @@ class Chosen:
 
     @pytest.hookimpl(hookwrapper=True)
     def pytest_runtest_call(self):
+        if self._each_s is not None and time.process_time() - self._began > MOST * self._each_s:
+            pytest.skip("says nothing in the time")
         if self._each_s is not None:
             signal.signal(signal.SIGALRM, _too_long)
             signal.setitimer(signal.ITIMER_REAL, self._each_s)

@@ -9,12 +9,21 @@ import numpy as np
 import pytest
 from homing_fakes import Knowing, KnowingCompass
 from kept import as_before
+from maps import square
 from roamer import Roamer, difference
 
-from topomap.core.geometry import Pose2
-from topomap.core.records import Hypothesis
+from topomap.core.geometry import Pose2, wrap
+from topomap.core.panorama import Panorama
+from topomap.core.records import Alignment, HomeVector, Hypothesis
 from topomap.navigation import sight
+from topomap.navigation.arrival import Arrival
+from topomap.navigation.edge_costs import Shut, costs, edges_of
+from topomap.navigation.manoeuvres.relocalise import free_bearing
+from topomap.navigation.pilot import Pilot, PilotSettings
+from topomap.navigation.planner import near, route
 from topomap.navigation.senses import Health
+from topomap.navigation.steering import heading_for, share_of_view
+from topomap.navigation.way_round import way_round
 from topomap.vision.aligned_homing import AlignedHoming
 
 
@@ -68,3 +77,85 @@ def test_journeys_are_as_before(name: str, monkeypatch: pytest.MonkeyPatch) -> N
             "end": [str(told[-1].phase)],
         },
     )
+
+
+def rooms() -> list[np.ndarray]:
+    """Ranges in rooms with things in them, some so near that they touch, and rays that met nothing."""
+    found = []
+    for seed in range(8):
+        rng = np.random.default_rng(seed)
+        angle = np.arange(180) * math.tau / 180
+        walls = rng.uniform(0.6, 4.0, 4)
+        reach = np.minimum.reduce([w / np.maximum(np.cos(angle - k * math.pi / 2), 1e-3) for k, w in enumerate(walls)])
+        things = rng.uniform([0.0, 0.05, 0.15], [math.tau, 0.4, 2.0], (4, 3))
+        for at, wide, away in things:
+            reach[np.abs(np.remainder(angle - at + math.pi, math.tau) - math.pi) < wide] = away
+        reach[rng.random(180) < 0.05] = np.nan
+        found.append(reach.astype(np.float32))
+    return found
+
+
+def test_steering_is_as_before() -> None:
+    rng, pilot, topo = np.random.default_rng(5), Pilot(PilotSettings()), square(8)
+    steered, round_, free, joined = [], [], [], []
+    for ranges in rooms():
+        for bearing in (-2.5, -0.4, 0.0, 0.7, 3.0):
+            aims = [(1.0 * math.cos(bearing), 1.0 * math.sin(bearing)), (1.4, 0.2)]
+            for command in (pilot.steer(bearing, ranges, 0.3), pilot.steer(bearing, ranges, None, aims)):
+                steered += [command.forward, command.turn]
+            way = way_round(aims, ranges, 0.26)
+            round_.append(9.0 if way is None else way)
+        free.append(free_bearing(ranges))
+        joined.append(str(near(topo, Pose2(1.2, 0.3, 0.4), ranges, (Shut(1.7, 0.3, 0),))))
+    headed = []
+    for _ in range(40):
+        pose, milestone, ahead = (Pose2(*rng.uniform(-1.0, 1.0, 3)) for _ in range(3))
+        home = HomeVector(float(rng.uniform(-3, 3)), None, float(rng.choice([0.0, 0.3, 0.9])))
+        lost, least = float(rng.choice([0.0, 0.3, 0.6])), float(rng.choice([0.0, 0.3]))
+        headed.append(heading_for(pose, milestone, ahead, home, lost, least))
+        headed.append(share_of_view(home, pose.bearing_to(milestone), pose.distance(milestone), lost, least))
+    as_before("steering", {"pilot": steered, "round": round_, "free": free, "joined": joined, "headed": headed})
+
+
+def test_what_edges_cost_is_as_before() -> None:
+    topo = square(8)
+    for a, b, seconds in ((0, 1, 2.0), (1, 2, 9.0), (5, 4, 1.0)):
+        topo.experience.passed(a, b, seconds)
+    for a, b, stamp in ((1, 2, 10**12), (7, 6, 2 * 10**12), (9, 10, 29 * 10**11)):
+        topo.experience.failed(a, b, stamp)
+    shut, now = (Shut(2.0, 0.1, 29 * 10**11), Shut(4.0, 2.0, 10**12)), 3 * 10**12
+    there, back = (np.minimum(one, 1e3) for one in costs(topo, edges_of(topo), shut, now))
+    routes = [route(topo, a, b, shut, now) for a, b in ((0, 20), (12, 2), (30, 9))]
+    as_before("edge costs", {"there": there, "back": back, "routes": [node for way in routes for node in way]})
+
+
+def test_arrivals_are_as_before() -> None:
+    rng, found = np.random.default_rng(1), []
+    for _ in range(12):
+        arrival, middle = Arrival(), rng.uniform(5, 20)
+        curve = rng.uniform(0.05, 0.6) + 0.05 * np.abs(np.arange(40) - middle) + rng.normal(0, 0.01, 40)
+        met = [arrival.update(float(one)) for one in curve]
+        found.append(met.index(True) if True in met else -1)
+    as_before("arrivals", {"steps": found})
+
+
+class Expecting:
+    """A compass that knows, and keeps how far off it was told to look."""
+
+    def __init__(self) -> None:
+        self.off: list[float] = []
+
+    def align(self, current: Panorama, goal: Panorama, prior: float | None = None) -> Alignment:
+        found = KnowingCompass().align(current, goal)
+        self.off.append(abs(wrap(found.rotation - (prior or 0.0))))
+        return found
+
+
+def test_a_milestone_is_looked_for_as_the_wheels_turned(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sight, "aligned_difference", difference)
+    compass = Expecting()
+    robot = Roamer(pose=Pose2(0.0, 0.0, 2.0), lost=0.06, homing=AlignedHoming(compass, Knowing()))
+    robot.travel(3, 25)
+    assert max(abs(command.turn) for command in robot.commands) > 0.5
+    assert float(np.median(compass.off)) < 0.02  # as fine as a view tells its heading
+    assert sum(off > 0.1 for off in compass.off) <= 2
