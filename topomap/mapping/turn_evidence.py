@@ -57,6 +57,8 @@ better one's part of that at least."""
 EXPECTED = (0.15, 0.03)
 """How far gain and bend [rad/m] may lie from what is expected: three times the odometers'. Where a robot always turns
 the same way at the same rate, the two can't be told apart otherwise."""
+UNEXPECTED = 10.0
+"""How far the inverse gain may lie from what is expected where it is only asked what it can't be: anywhere."""
 FIT_STEPS = 15
 """Re-weightings of a fit (Cauchy's weights, squared): by then the scatter changes in its third digit."""
 
@@ -280,9 +282,12 @@ def line(turns: FloatArray, c: Columns, gain: float) -> Line:
 
 
 def _opposite(seen: FloatArray, read: FloatArray, forward: FloatArray, gain: float) -> float:
-    """Return the gain that the odometer's turns by the ones seen tell: infinite where they tell nothing."""
-    inverse = 1.0 / gain + float(_fitted(read - seen / gain, np.column_stack([seen, forward]), EXPECTED).fit[0])
-    return 1.0 / inverse if inverse > 0.0 else math.inf
+    """Return the most that the gain can be by the odometer's turns fitted by the ones seen: infinite where these tell
+    nothing, as where the robot went straight on.
+    """
+    found = _fitted(read - seen / gain, np.column_stack([seen, forward]), (UNEXPECTED, EXPECTED[1]))
+    least = 1.0 / gain + float(found.fit[0]) - DISMISSED * float(found.sigmas[0])
+    return 1.0 / least if least > 0.0 else math.inf
 
 
 def _nearest(value: float, one: float, other: float) -> float:
