@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 SAMPLE ?= 60
 # numba's kernels, once: two workers and a dozen programs of the tests would each compile them anew
-COMPILE = rm -rf $(VENV)/compiled; $(BIN)/topomap optimize examples/graphs/block-doubtful.g2o --out $(VENV)/compiled/graph --force >/dev/null & \
+COMPILE = rm -rf $(VENV)/compiled; $(BIN)/topomap optimize examples/graphs/block-doubtful.g2o --out $(VENV)/compiled/graph >/dev/null & \
 	$(BIN)/topomap run tests/helpers/den.toml --out $(VENV)/compiled/run --force >/dev/null; wait
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 
