@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 SAMPLE ?= 60
 # numba's kernels, once: two workers and a dozen programs of the tests would each compile them anew
-COMPILE = rm -rf $(VENV)/compiled; $(BIN)/topomap optimize examples/graphs/block-doubtful.g2o --out $(VENV)/compiled/graph --force >/dev/null & \
+COMPILE = rm -rf $(VENV)/compiled; $(BIN)/topomap optimize examples/graphs/block-doubtful.g2o --out $(VENV)/compiled/graph >/dev/null & \
 	$(BIN)/topomap run tests/helpers/den.toml --out $(VENV)/compiled/run --force >/dev/null; wait
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 
@@ -34,7 +34,7 @@ mutate: $(VENV)/.test ## a sample of small mistakes, each to be noticed by a tes
 KEEP := --keep docs/results
 ROOMS := a1original,screen,arboreal,hall1,ourlab,cylinders
 
-results: $(VENV)/.run ## the figures of docs/results and docs/THESIS.md anew: hours; GRIDS=folders of panoramas
+results: $(VENV)/.test ## the figures of docs/results, docs/THESIS.md and docs/ROBUST.md anew: hours; GRIDS=folders of panoramas
 	for c in given A6; do $(BIN)/topomap bench homing --env $(ROOMS) --seeds 0-4 --every 16 --compass $$c \
 		--starts 0 --no-pictures $(KEEP)/homing.csv || exit 1; done
 	for g in $(GRIDS); do for w in 0.1 0.3 0.5 0.7; do $(BIN)/topomap bench homing --grid $$g --within $$w \
@@ -44,6 +44,11 @@ results: $(VENV)/.run ## the figures of docs/results and docs/THESIS.md anew: ho
 	$(BIN)/topomap bench spacing $(KEEP)/spacing.csv
 	$(BIN)/topomap bench study all --seeds 0-1 --every 8 $(KEEP)/studies.csv
 	$(BIN)/topomap bench mission
+	$(BIN)/topomap bench breaks $(KEEP)/breaks.csv
+	$(BIN)/topomap bench faults $(KEEP)/faults.csv
+	$(BIN)/python -m tests.fuzz $(KEEP)/fuzz.csv
+	$(BIN)/python -m tests.mutation --named
+	$(BIN)/python -m tests.mutation --sample 150 --out docs/results/mutation.json
 
 lock: $(VENV)/.bench ## constraints.txt from what is installed, after a change of pyproject.toml and a green `make test`
 	( head -1 constraints.txt; $(BIN)/python -m pip list --format=freeze | grep -Ev '^(topomap|pip|setuptools|wheel)=' ) > .lock

@@ -94,8 +94,10 @@ def from_index(file: IO[bytes]) -> Contents | None:
     contents = _summarised(summary + tail)
     if contents is not None:
         contents.end = summary_start - DATA_END.size
-        opcode, _, checksum = DATA_END.unpack(data_end)
-        contents.checksum = checksum if opcode == Opcode.DATA_END and checksum else None
+        opcode, length, checksum = DATA_END.unpack(data_end)
+        if (opcode, length) != (Opcode.DATA_END, DATA_END.size - PREFIX.size):  # no checksum holds these nine bytes
+            return None
+        contents.checksum = checksum or None
     return contents
 
 

@@ -273,7 +273,9 @@ class Final:
     """The finished map: trajectory (N stamps, N * 3 values row by row, map frame), nodes, edges, identity.
 
     kept: which of several maps this is, and why; way_noise, turn_noise: what the odometry's declared variances were
-    taken times, None where nothing told;
+    taken times, None where nothing told; roll, pitch, lean_sigma, sway: how the camera's mount leans to the right and
+    forward, the error of both, and the body's sway besides [rad], taken_out: whether views were taken upright, all None
+    where too little was seen;
     fault: what ended the run before its time, None where nothing did.
     """
 
@@ -290,3 +292,8 @@ class Final:
     kept: str | None = None
     way_noise: float | None = None
     turn_noise: float | None = None
+    roll: float | None = None
+    pitch: float | None = None
+    lean_sigma: float | None = None
+    sway: float | None = None
+    taken_out: bool | None = None

@@ -13,6 +13,7 @@ import topomap
 from logs.replay import ReplayRobot
 from topomap.app.config import RunConfig
 from topomap.app.stored_config import first_defaults, parse_stored
+from topomap.app.stored_run import open_log
 from topomap.cli.main import app
 from topomap.core.errors import ConfigError
 
@@ -87,6 +88,12 @@ def test_a_wrong_value_in_a_log_is_one_line(stored: dict[str, Any]) -> None:
     stored["sim"]["body"]["step"] = -1
     with pytest.raises(ConfigError, match=r"log: sim\.body\.step = -1"):
         parse_stored(stored, "log")
+
+
+def test_a_replay_takes_no_settings_of_the_simulator() -> None:
+    for word in ("sim.body.step=0.2", " sim.driver.laps=1", "nonsense=1", "stack"):
+        with pytest.raises(ConfigError, match="the drive is history"):
+            open_log(LOG, [word])
 
 
 def test_every_old_default_was_once_a_setting(stored: dict[str, Any]) -> None:

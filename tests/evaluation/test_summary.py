@@ -32,6 +32,7 @@ KEYS = {
     "curvature": {"true", "found", "sigma"},
     "home": {"asked", "claimed", "within_0_3_m", "error_m", "path_ratio", "shortest_ratio", "collisions"},
     "trust": {"kept", "way_noise", "turn_noise"},
+    "mount": {"roll_deg", "pitch_deg", "sigma_deg", "sway_deg", "taken_out"},
     "graph_hash": None,
     "topology_hash": None,
     "fault": None,

@@ -95,10 +95,13 @@ def test_records_and_stamps_read_back_in_order(tmp_path: Path) -> None:
         assert len(reader.file.contents.chunks) > 3
         rows = list(reader.records(topics.ODOMETRY, log.Odometry))
         stamps = [item.stamp_ns for item in reader.file.items()]
+        schemas = {item.topic: item.schema for item in reader.file.items()}
         third = reader.panorama(EPOCH + 3 * STEP)
     assert [record for _, record in rows] == [step[topics.ODOMETRY] for step in steps]
     assert [stamp for stamp, _ in rows] == [EPOCH + i * STEP for i in range(12)]
     assert stamps == sorted(stamps)
+    assert schemas[topics.PANORAMA] == "foxglove.CompressedImage"
+    assert schemas[topics.ODOMETRY] == "topomap.Odometry"
     assert log.Image(third or b"") == steps[3][topics.PANORAMA]
 
 
@@ -127,6 +130,16 @@ def test_close_twice_and_attach(tmp_path: Path) -> None:
     with LogReader(tmp_path / "run.mcap") as reader:
         assert reader.attachment("map.zip") == b"a map"
         assert reader.attachment("other") is None
+        kept = reader.file
+    with (tmp_path / "run.mcap").open("rb") as file:
+        times = [(one.create_time, one.log_time) for one in make_reader(file).iter_attachments()]
+    assert times == [(0, 0)] * 4, "no clock but the run's"
+    with pytest.raises(ValueError, match="closed file"):
+        list(kept.items())
+
+
+def test_a_pose_is_the_origin_unless_it_says_otherwise() -> None:
+    assert [getattr(log.Pose(), name) for name in ("x", "y", "heading")] == [0.0, 0.0, 0.0]
 
 
 def test_steps_are_readable_before_the_log_is_closed(tmp_path: Path) -> None:

@@ -10,11 +10,14 @@ import cv2
 import numpy as np
 import pytest
 import zstandard
+from kept import as_before
 from log_samples import EPOCH, STEP, header, write_log, write_step
+from mcap.opcode import Opcode
 from mcap.writer import Writer
 
-from logs import budget, topics
+from logs import budget, scan, topics
 from logs import records as log
+from logs.contents import data_checksum, from_index
 from logs.errors import LogError
 from logs.header import Header
 from logs.image_size import image_size
@@ -200,6 +203,65 @@ def test_more_messages_than_bytes_are_refused(tmp_path: Path) -> None:
         McapFile(path, skip_damaged=True)
 
 
+def test_a_budget_is_spent_to_the_last_byte_and_message() -> None:
+    assert budget.Budget.of(1000) == budget.Budget(64_200_000, 10_250)
+    assert budget.gathered_limit(10) == 64_000_040
+    left = budget.Budget(5, 2)
+    left.take(3, 1)
+    left.take(2, 1)
+    for count, messages in ((1, 0), (0, 1)):
+        with pytest.raises(LogError, match="unpack to more"):
+            budget.Budget(0, 0).take(count, messages)
+
+
+@pytest.mark.parametrize("block", [1 << 20, 700])
+def test_every_damage_is_told_as_before(
+    tmp_path: Path, whole: bytes, block: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A byte changed in every kind of record, and cuts: what is said, and how much is left."""
+    monkeypatch.setattr(scan, "BLOCK", block)
+    path = tmp_path / "run.mcap"
+    path.write_bytes(whole)
+    with path.open("rb") as file:
+        contents = from_index(file)
+        assert contents is not None
+        assert contents.checksum == zlib.crc32(whole[: contents.end]) == data_checksum(file, contents.end)
+    assert whole[contents.end] == Opcode.DATA_END
+    chunks = [entry.offset for entry in contents.chunks]
+    places = {f"chunk {k}": offset + 60 for k, offset in enumerate(chunks)}
+    places |= {f"length of chunk {k}": offset + 3 for k, offset in enumerate(chunks[::3])}
+    places |= {f"attachment {name}": offset + 50 for name, offset in contents.attachments}
+    places |= {f"metadata {name}": offset + 20 for name, offset in contents.metadata}
+    places |= {
+        "summary": contents.end + 40,
+        "footer": len(whole) - 20,
+        "magic": len(whole) - 3,
+    }
+    cuts = {f"cut in chunk {k}": whole[: offset + 100] for k, offset in enumerate(chunks)}
+    cuts |= {"cut in the summary": whole[: contents.end + 30], "cut in the footer": whole[:-12]}
+    told = {}
+    for name, data in [*((name, flipped(whole, 8 * at)) for name, at in places.items()), *cuts.items()]:
+        path.write_bytes(data)
+        with McapFile(path, skip_damaged=True) as log_file:
+            steps = sum(1 for _ in log_file.items((topics.ODOMETRY,)))
+            count = len(log_file.contents.chunks)
+            told[name] = [log_file.state.word, log_file.state.note, f"{count} chunks, {steps} steps"]
+    as_before("damage", told)
+
+
+def test_no_bit_between_the_data_and_the_index_is_overlooked(tmp_path: Path, whole: bytes) -> None:
+    """The record that holds the checksum is itself in no checksum."""
+    path = tmp_path / "run.mcap"
+    path.write_bytes(whole)
+    with path.open("rb") as file:
+        contents = from_index(file)
+    assert contents is not None
+    for bit in range(8 * contents.end, 8 * (contents.end + 13)):
+        path.write_bytes(flipped(whole, bit))
+        with McapFile(path, skip_damaged=True) as log_file:
+            assert not log_file.state.whole, bit - 8 * contents.end
+
+
 def test_what_is_kept_of_a_log_is_bounded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "run.mcap"
     write_log(path, 8)
@@ -342,6 +404,9 @@ def test_a_jpegs_size_stands_behind_any_number_of_tables() -> None:
     assert image_size(real) == (57, 33)
     assert image_size(cv2.imencode(".png", np.zeros((33, 57, 3), np.uint8))[1].tobytes()) == (57, 33)
     assert image_size(real[:100]) is None
+    for start in (b"\xff\xd8", b"\xff\xd8\xff", b"\x89PNG\r\n\x1a\n", b"\xff\xd8\xff\xc0\0\x08\x08\0\x01\0", b"GIF89a"):
+        assert image_size(start) is None, start
+    assert image_size(b"\xff\xd8\xff\xc0\0\x08\x08\0\x01\0\x02") == (2, 1)
     for mark in range(0xC0, 0xD0):
         table = b"\xff\xc4\x00\x09" + struct.pack(">xHH", 1, 2) + b"\0\0"
         frame = bytes([0xFF, mark]) + struct.pack(">HBHH", 8, 8, 300, 400) + b"\0"

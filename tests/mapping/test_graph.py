@@ -8,7 +8,7 @@ from maps import STEP_NS, increments, snapshot, square
 
 from topomap.core.geometry import Pose2, compose
 from topomap.mapping.graph import Node, TopoMap
-from topomap.mapping.odometry.increments import Calibration
+from topomap.mapping.odometry.increments import Calibration, Increments
 from topomap.mapping.optimizer import ClosureEdge
 
 
@@ -37,6 +37,18 @@ def test_inserting_splits_the_edge_and_moves_nothing() -> None:
     assert topo.graph.has_edge(1, node)
     assert topo.trajectory()[0].tolist() == stamps.tolist()
     assert topo.trajectory()[1] == pytest.approx(before)
+
+
+def test_the_way_between_two_nodes_is_what_was_read_between_them() -> None:
+    topo = square()
+    whole = [topo.way(k, k + 1) for k in range(16)]
+    middle = topo.insert(12 * STEP_NS)
+    for a, b in ((3, 9), (0, 16), (15, 16), (1, 4)):
+        found = topo.way(a, b)
+        expected = Increments.concatenate(whole[a:b])
+        assert found.stamps_ns.tolist() == expected.stamps_ns.tolist()
+        assert np.array_equal(found.deltas, expected.deltas)
+    assert topo.way(2, middle).stamps_ns.tolist() == whole[2].stamps_ns[:2].tolist()
 
 
 def test_inserting_at_a_node_returns_it() -> None:

@@ -111,7 +111,7 @@ def changed(meta: dict[str, object] | None = None, **arrays: object) -> bytes:
 
 NAN = np.full((17, 3), np.nan)
 CRAFTED: dict[str, tuple[bytes, str]] = {
-    "newer": (changed({"format": 9, "writer": "topomap 7.1"}), r"map format 9, written by topomap 7\.1; .* 1 to 3"),
+    "newer": (changed({"format": 9, "writer": "topomap 7.1"}), r"map format 9, written by topomap 7\.1; .* 1 to 4"),
     "no format": (changed({"format": "x"}), "doesn't say which format"),
     "poses that are no numbers": (changed(poses=NAN), "expected numbers in poses"),
     "poses of other nodes": (changed(poses=np.zeros((16, 3))), "expected poses for 17 nodes"),

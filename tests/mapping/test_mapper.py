@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from kept import as_before, of_drive
 
 from sim2d import worlds
 from sim2d.robot import SimRobot
@@ -94,3 +95,19 @@ def test_the_same_readings_give_the_same_map_to_the_bit() -> None:
     first, second = drive(50)[0], drive(50)[0]
     assert first.graph_hash() == second.graph_hash()
     assert first.graph_hash() != drive(50, seed=4)[0].graph_hash()
+
+
+def test_the_drive_is_as_before(second_round: tuple[Mapper, list[StepRecord], np.ndarray]) -> None:
+    mapper, records, _ = second_round
+    trust, calibration = mapper.optimisation.trust, mapper.map.calibration
+    as_before("drive", of_drive(records))
+    as_before(
+        "map",
+        {
+            "nodes": mapper.map.poses[::3],
+            "travel": [node.travel for node in mapper.map.nodes[::3]],
+            "closures": [(edge.i, edge.j) for edge in mapper.map.closures],
+            "calibration": calibration.vector(),
+            "noise": [trust.way_noise or 0.0, trust.turn_noise or 0.0],
+        },
+    )

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from kept import as_before
 from played import moved, taught
 
 from sim2d import worlds
@@ -91,6 +92,8 @@ def test_what_ranges_and_views_show_stands_in_for_odometry_that_fails(
     assert [k for k, _ in mended] == [at]
     assert true.distance(pose) < 0.15
     assert abs(true.to(pose).heading) < 0.06
+    told = {f"{forward} {turn} {times}": pose.array(), f"said {forward} {turn} {times}": [w for _, w in mended]}
+    as_before("odometry restated", told, part=True)
 
 
 def test_ranges_that_stay_the_same_say_nothing_against_the_odometry() -> None:

@@ -52,3 +52,18 @@ def test_only_the_old_ones_are_searched(stored: tuple[PlaceIndex, np.ndarray]) -
 def test_an_empty_index_finds_nothing() -> None:
     places, found = PlaceIndex().search(view(pictures(1)[0]), 3)
     assert len(places) == len(found.difference) == 0
+
+
+def test_a_view_taken_for_another_is_compared_as_that_one() -> None:
+    """Blank before, so that what is kept of it beside its spectrum would tell."""
+    base = pictures(3)
+    index, fresh = PlaceIndex(), PlaceIndex()
+    for picture in (np.zeros((10, 90)), base[1]):
+        index.add(view(picture))
+    for picture in base[:2]:
+        fresh.add(view(picture))
+    index.replace(0, view(base[0]))
+    places = np.arange(2)
+    assert np.array_equal(
+        index.compare(view(base[2]), places).difference, fresh.compare(view(base[2]), places).difference
+    )

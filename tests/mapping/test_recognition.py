@@ -108,3 +108,19 @@ def test_the_last_moments_of_a_drive_are_examined_when_it_ends(
     assert proposal is not None
     assert (proposal.moment.stamp_ns, proposal.places[0].node) == (105, 4)
     assert recognition.proposal(ended=True) is None
+
+
+def test_a_pass_is_proposed_where_the_place_is_most_alike() -> None:
+    """The view comes nearer to a place's own and leaves it again, all the while more alike than places usually are."""
+    recognition, several = Recognition(RecognitionSettings()), views(0.9, 21)
+    for k, view in enumerate(several[:20]):
+        recognition.update(k, float(k), view, np.zeros(0, np.int64))
+        recognition.add(k, float(k), view)
+    own, other, found = several[5].image.astype(float), several[20].image.astype(float), []
+    for step in range(-9, 10):
+        share = 1.0 - 0.06 * abs(step)
+        seen = Panorama((share * own + (1.0 - share) * other).astype(np.uint8), None, several[0].rig)
+        recognition.update(100 + step, 25.0 + 0.12 * step, seen, np.arange(10))
+        proposal = recognition.proposal()
+        found += [] if proposal is None else [(proposal.moment.stamp_ns, proposal.places[0].node)]
+    assert found == [(100, 5)]

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from kept import as_before
 
 from topomap.core.arrays import FloatArray
 from topomap.mapping.turn_evidence import SHARE_UNCHECKED, MeasuredTurn, TurnEvidence, Weighed
@@ -148,3 +149,40 @@ def test_ranges_are_taken_as_they_are_and_judge_the_odometer() -> None:
     assert {edge.sigma for edge in found.edges} == {0.05 * DEGREE}
     assert found.odometer is not None
     assert found.odometer[0] == pytest.approx(0.25, rel=0.3)
+
+
+CASES: dict[str, dict[str, float | None]] = {
+    "two alike": {},
+    "unlike": {"aligned": 0.2, "matched": 1.0},
+    "poor": {"aligned": 3.0, "matched": 2.0, "declared": 9.0},
+    "common": {"aligned": 1.0, "matched": 1.0, "common": 6.0},
+    "alone": {"aligned": 0.3, "matched": None, "gain": 0.9},
+    "lost": {"aligned": 0.3, "matched": 0.5, "lost": 0.1},
+    "exact": {"aligned": 0.05, "matched": 0.3, "gain": 0.1, "declared": 0.1},
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_weighed_turns_are_as_before(name: str) -> None:
+    found, _ = weighed(60, 3, **CASES[name])  # type: ignore[arg-type]
+    edges = [(edge.i, edge.turn, edge.sigma / DEGREE) for edge in found.edges]
+    as_before("turns", {name: edges, f"{name}, odometer": found.odometer or ()}, part=True)
+
+
+@pytest.mark.parametrize("corners", [0, 4])
+@pytest.mark.parametrize("by", ["scanned", "aligned"])
+@pytest.mark.parametrize("seed", range(4))
+def test_along_a_corridor_the_odometers_wobble_is_its_noise_and_not_its_scale(corners: int, by: str, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    turns = rng.normal(0.0, 0.02 * DEGREE, 120)
+    turns[30 : 30 + corners] = CORNER
+    evidence = TurnEvidence()
+    for k, turn in enumerate(turns.tolist()):
+        read = 1.04 * turn + rng.normal(0.0, 0.3 * DEGREE)
+        exact = turn + rng.normal(0.0, 0.05 * DEGREE)
+        seen = {"scanned": exact, "scan_sigma": 0.05 * DEGREE} if by == "scanned" else {by: exact, "matched": turn}
+        evidence.add(MeasuredTurn(k, k + 1, read, WAY, (0.3 * DEGREE) ** 2, 1.0, **seen))
+    told = evidence.weigh().odometer
+    assert told is not None
+    assert told[0] < 1.5
+    assert told[1] > 0.6

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).parents[2]
+LARGE = 100
 SWAPS: dict[type, type] = {
     ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult, ast.FloorDiv: ast.Mult,
     ast.Lt: ast.LtE, ast.LtE: ast.Lt, ast.Gt: ast.GtE, ast.GtE: ast.Gt, ast.Eq: ast.NotEq, ast.NotEq: ast.Eq,
@@ -21,7 +22,7 @@ SWAPS: dict[type, type] = {
 class Mutant:
     """One mistake: the file, the line, what it was and what it is, and the whole changed source.
 
-    function: name of the function or method that holds it, "" where none does.
+    inside: qualified name of the function or method whose body holds it, "" where none does; kernel: it is compiled.
     """
 
     file: str
@@ -29,12 +30,13 @@ class Mutant:
     was: str
     now: str
     source: str
-    function: str
+    inside: str
+    kernel: bool
 
     @property
     def name(self) -> str:
         """What it is, in words that stay when lines move."""
-        return f"{self.function}: {self.was} -> {self.now}"
+        return f"{self.inside}: {self.was} -> {self.now}"
 
     def __str__(self) -> str:
         return f"{self.file}:{self.line}: {self.name}"
@@ -50,8 +52,9 @@ def mutant(file: str, number: int) -> Mutant:
     tree = ast.parse((ROOT / file).read_text(encoding="utf8"))
     node, change = _sites(tree)[number]
     line, was = getattr(node, "lineno", 0), _short(node)
+    inside, kernel = _bodies(tree).get(id(node), ("", False))
     now = change(node)
-    return Mutant(file, line, was, now, ast.unparse(ast.fix_missing_locations(tree)), _function(tree, line))
+    return Mutant(file, line, was, now, ast.unparse(ast.fix_missing_locations(tree)), inside, kernel)
 
 
 def _sites(tree: ast.Module) -> list[tuple[ast.AST, Callable[[Any], str]]]:
@@ -60,13 +63,19 @@ def _sites(tree: ast.Module) -> list[tuple[ast.AST, Callable[[Any], str]]]:
     return [(node, change) for node in ast.walk(tree) if id(node) not in hidden for change in _changes(node)]
 
 
-def _function(tree: ast.Module, line: int) -> str:
-    """Return the name of the function or method around a line, "" where there is none."""
-    inside = [body for body in tree.body if isinstance(body, ast.ClassDef)]
-    for node in [*tree.body, *(one for body in inside for one in body.body)]:
-        if isinstance(node, ast.FunctionDef) and node.lineno <= line <= (node.end_lineno or 0):
-            return node.name
-    return ""
+def _bodies(tree: ast.Module) -> dict[int, tuple[str, bool]]:
+    """Return for every node in the body of a function or method its qualified name, and whether numba compiles it."""
+    found: dict[int, tuple[str, bool]] = {}
+    for prefix, body in [
+        ("", tree.body),
+        *((f"{one.name}.", one.body) for one in tree.body if isinstance(one, ast.ClassDef)),
+    ]:
+        for node in body:
+            if isinstance(node, ast.FunctionDef):
+                kernel = any("njit" in ast.unparse(one) for one in node.decorator_list)
+                inner = (id(inner) for statement in node.body for inner in ast.walk(statement))
+                found |= dict.fromkeys(inner, (f"{prefix}{node.name}", kernel))
+    return found
 
 
 def _hidden(tree: ast.AST) -> set[int]:
@@ -78,9 +87,17 @@ def _hidden(tree: ast.AST) -> set[int]:
             roots += [one.annotation for one in (*node.args.args, *node.args.kwonlyargs, *node.args.posonlyargs)]
         elif isinstance(node, ast.AnnAssign):
             roots.append(node.annotation)
-        elif isinstance(node, ast.Raise | ast.JoinedStr | ast.ClassDef):
-            roots += [node] if not isinstance(node, ast.ClassDef) else node.decorator_list
+        elif isinstance(node, ast.ClassDef):
+            roots += node.decorator_list
+        elif isinstance(node, ast.Raise | ast.JoinedStr) or _for_types_only(node):
+            roots.append(node)
+        elif isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr == "reshape":
+            roots += [one for one in node.args if ast.unparse(one) == "-1"]  # any negative number says the same
     return {id(inner) for root in roots if root is not None for inner in ast.walk(root)}
+
+
+def _for_types_only(node: ast.AST) -> bool:
+    return isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"
 
 
 def _changes(node: ast.AST) -> list[Callable[[Any], str]]:
@@ -115,7 +132,10 @@ def _swap_compare(node) -> str:
 
 
 def _number(node) -> str:
-    node.value = (not node.value) if isinstance(node.value, bool) else node.value + 1
+    if isinstance(node.value, bool):
+        node.value = not node.value
+    else:  # one more is nothing beside a large number
+        node.value = node.value + 1 if abs(node.value) < LARGE else 2 * node.value
     return _short(node)
 
 

@@ -8,19 +8,21 @@ import signal
 import sys
 import time
 from collections.abc import Callable
+from contextlib import redirect_stdout
 from pathlib import Path
 
 import pytest
 
 HEAVY = ("numpy", "scipy.optimize", "scipy.spatial", "cv2", "gtsam", "numba", "networkx", "pydantic", "mcap.reader",
          "google.protobuf.message", "typer", "rich.table", "matplotlib.pyplot", "hypothesis", "pymunk")  # fmt: skip
-OPTIONS = ["-q", "-p", "no:cacheprovider", "--no-header", "--tb=no"]
+MOST = 8
+OPTIONS = ["-q", "-p", "no:cacheprovider", "--no-header", "--tb=no", "--durations=0"]
 
 
 def prepare(copied: Path) -> None:
     """Let this process be what the trials are copies of: in the copied repository, with what all tests need."""
     os.environ |= dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
-    os.environ["PYTHONPATH"] = str(copied)
+    os.environ["PYTHONPATH"] = os.pathsep.join((str(copied), os.environ.get("PYTHONPATH", "")))
     os.chdir(copied)
     own = str(Path(__file__).parents[2])
     sys.path[:] = [str(copied), *(path for path in sys.path if path not in ("", own))]
@@ -29,9 +31,60 @@ def prepare(copied: Path) -> None:
         importlib.import_module(name)
 
 
-def passes(tests: list[str], seconds: float) -> bool:
-    """Return whether some tests pass within so many seconds of wall clock."""
-    return forked(lambda: int(pytest.main([*OPTIONS, "-x", *tests])), seconds) == 0
+def load(root: Path, tests: tuple[str, ...]) -> None:
+    """Import all tests and the whole source, so that the copies need not."""
+    for package in ("topomap", "sim2d", "logs"):
+        for path in sorted((root / package).rglob("[!_]*.py")):
+            importlib.import_module(str(path.relative_to(root).with_suffix("")).replace("/", "."))
+    with Path(os.devnull).open("w") as quiet, redirect_stdout(quiet):
+        if pytest.main([*OPTIONS, "--collect-only", "-qq", *tests]) != 0:
+            raise RuntimeError("the tests can't be collected")
+
+
+class Chosen:
+    """A pytest plugin: these tests, in this order; one that takes longer than so many seconds says nothing.
+
+    Nor do those that come after MOST times as long.
+    """
+
+    def __init__(self, order: list[str], each_s: float | None = None) -> None:
+        self._order = {test: k for k, test in enumerate(order)}
+        self._each_s = each_s
+        self._began = time.process_time()
+
+    @pytest.hookimpl(trylast=True)
+    def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
+        chosen = [item for item in items if self._place(item) is not None]
+        items[:] = sorted(chosen, key=lambda item: self._place(item) or 0)
+
+    def _place(self, item: pytest.Item) -> int | None:
+        """Return where a test stands in the order; a whole file may stand there too."""
+        return self._order.get(item.nodeid, self._order.get(item.nodeid.split("::")[0]))
+
+    @pytest.hookimpl(hookwrapper=True)
+    def pytest_runtest_call(self):
+        if self._each_s is not None and time.process_time() - self._began > MOST * self._each_s:
+            pytest.skip("says nothing in the time")
+        if self._each_s is not None:
+            signal.signal(signal.SIGALRM, _too_long)
+            signal.setitimer(signal.ITIMER_REAL, self._each_s)
+        yield
+        signal.setitimer(signal.ITIMER_REAL, 0)
+
+
+def _too_long(*_: object) -> None:
+    pytest.skip("says nothing in the time")
+
+
+def noticed(tests: list[str], change: Callable[[], None], seconds: float, each_s: float | None = None) -> bool:
+    """Return whether one of some tests fails, or they never end, once a copy of this process has been changed."""
+
+    def work() -> int:
+        change()
+        files = list(dict.fromkeys(test.split("::")[0] for test in tests))
+        return int(pytest.main([*OPTIONS, "-x", *files], plugins=[Chosen(tests, each_s)]))
+
+    return forked(work, seconds) != 0
 
 
 def forked(work: Callable[[], int], seconds: float) -> int:

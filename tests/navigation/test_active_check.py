@@ -149,3 +149,38 @@ def test_each_candidate_is_checked_once_and_none_far_behind_or_when_off(
     assert sum("undecided" in note for note in notes) == 1
     assert homed(lambda way: 0.8 - way, pending_at=-2.0)[1] == []
     assert homed(lambda way: 0.8 - way, ActiveSettings())[1] == []
+
+
+@dataclass
+class Asked:
+    """Sees no way home from the place itself, and keeps what rotations it was told to expect."""
+
+    priors: list[float | None] = field(default_factory=list)
+
+    def align(self, current: Panorama, goal: Panorama, prior: float | None = None) -> Alignment:
+        self.priors.append(prior)
+        return Alignment(prior or 0.0, 0.0, HomeVector(0.0, None, float(len(self.priors) > 1)))
+
+
+def test_the_rotation_that_is_expected_follows_the_robot_and_the_snapshot_beside(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(active_check, "aligned_difference", lambda *_: 0.5)
+    candidate = Candidate(9, 0, 1, Pose2(0.0, 0.0, 0.3), np.eye(3), query=1)
+    headings = {0: 0.1, 1: 0.7}
+    place = Field()
+    place.ledger = Ledger()
+    place.ledger.decide(9, candidate, Verdict.PENDING, "waits")
+    mapper = place.mapper()
+    for node in mapper.map.nodes:
+        node.snapshot = "a view"  # type: ignore[misc,assignment]
+    mapper.map.pose = lambda node: Pose2(0.0, 0.0, headings[node])  # type: ignore[method-assign]
+    mapper.track.pose, mapper.track.turn = Pose2(0.0, 0.0, 0.9), 0.05  # type: ignore[misc]
+    asked = Asked()
+    check = ActiveCheck(ActiveSettings(on=True), Pilot(PilotSettings()), asked)
+    for _ in range(3):
+        check.step(view(), False, mapper)
+    # 0.3 from the claim, turned by 0.9 - 0.7 since, of which this step's 0.05 comes on top; then seen from node 1
+    at_match = 0.3 + 0.2 - 0.05 + 0.05
+    beside = at_match + 0.05 + (0.1 - 0.7)
+    assert asked.priors == pytest.approx([at_match, beside, beside + 0.05])

@@ -67,3 +67,14 @@ def test_where_another_place_looks_more_alike_it_is_none() -> None:
     assert "node 12 looks more alike" in claimed(HERE, other=PlaceMatch(12, 0.1, 0.0), other_away=3.0)
     assert claimed(HERE, other=PlaceMatch(12, 0.11, 0.0), other_away=3.0) == ""
     assert claimed(HERE, other=PlaceMatch(12, 0.05, 0.0), other_away=0.6) == ""
+
+
+def test_each_doubt_begins_at_its_bound() -> None:
+    assert claimed(replace(HERE, lost=0.1)) != "" == claimed(replace(HERE, lost=0.0999))
+    assert claimed(replace(HERE, pose=Pose2(5.6, 2.0, 1.3))) == ""
+    for weight, says in ((0.1, True), (0.0999, False)):
+        away = (Hypothesis(7, Pose2(8.0, 2.0, 1.3), weight), Hypothesis(8, Pose2(6.0, 2.0, 1.3), 0.5))
+        assert bool(claimed(replace(HERE, rivals=away))) == says
+    assert claimed(HERE, rotation=0.79) == "" != claimed(HERE, rotation=0.81)
+    assert claimed(HERE, other=PlaceMatch(12, 0.1, 0.0), other_away=1.0) == ""
+    assert claimed(HERE, other=PlaceMatch(12, 0.1, 0.0), other_away=1.001) != ""

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from kept import as_before
 
 from topomap.core.geometry import Pose2
 from topomap.core.panorama import Panorama
@@ -72,6 +73,8 @@ def test_it_drives_the_rectangle_notices_home_and_gets_there(equalise: bool) -> 
     assert math.dist(path[ride.course.homing_from], (0.0, 0.0)) < 1.5
     assert travel.phase is Phase.ARRIVED
     assert math.dist(path[-1], (0.0, 0.0)) < 0.3
+    seen = ride.course.differences
+    as_before(f"hall course {equalise}", {"path": path[::4], "differences": seen, "from": [ride.course.homing_from]})
 
 
 def test_where_home_is_never_passed_it_says_so() -> None:

@@ -7,6 +7,7 @@ import math
 from itertools import pairwise
 
 import pytest
+from kept import as_before, of_drive
 
 from sim2d import worlds
 from sim2d.config import SimConfig
@@ -86,3 +87,11 @@ def test_turned_on_the_spot_the_view_tells_the_turn_and_nothing_is_lost(lesson: 
     steps = [abs(math.remainder(b - a, math.tau)) for a, b in pairwise(headings)]
     assert max(steps) > 1.2  # the carried turn, and what the wheels turned meanwhile
     assert max(record.where.lost for record in records) < 0.3
+
+
+def test_finding_itself_is_as_before(lesson: Lesson) -> None:
+    as_before("found anywhere", of_drive(journey(lesson, {}, 80, Localiser(ANYWHERE)), 2))
+
+
+def test_the_lesson_and_the_way_home_are_as_before(lesson: Lesson) -> None:
+    as_before("way home", of_drive(journey(lesson, {"kidnaps": [{"handed_over_s": 2.0, "along": -5.0}]}, 60), 2))

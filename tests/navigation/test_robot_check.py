@@ -11,6 +11,7 @@ from types import SimpleNamespace
 import cv2
 import numpy as np
 import pytest
+from kept import as_before
 from played import Played
 
 import topomap
@@ -19,6 +20,7 @@ from sim2d.records import SimReading
 from sim2d.robot import SimRobot
 from topomap.app.config import load_config
 from topomap.core.records import Command
+from topomap.navigation.robot_check.numbers import check_stamps
 
 DEN = str(Path(__file__).parents[1] / "helpers" / "den.toml")
 Change = Callable[[SimReading, int], object]
@@ -154,6 +156,7 @@ def test_a_faulty_driver_is_told_so_in_one_line(readings: list[SimReading], name
     assert words in found[0].message
     assert "\n" not in str(found[0])
     assert faulty.stopped
+    as_before("robot check", {name: [str(found[0])]}, part=True)
 
 
 @pytest.mark.parametrize("world", [DEN, "room-corridor", "hall"])
@@ -198,3 +201,13 @@ def test_wheels_that_cannot_be_stopped_are_told(readings: list[SimReading]) -> N
 
     found = topomap.check_robot(Runaway(readings, lambda r, _: r))
     assert [str(one) for one in found] == ["stop: raises OSError: the port is closed; it must always stop the wheels"]
+
+
+def test_stamps_are_told_by_the_times_between_readings(readings: list[SimReading]) -> None:
+    """What the first reading counts as its time says nothing: there is none before it."""
+    two = [replace(r, stamp_ns=round(r.stamp_ns / 1e6), motion=replace(r.motion, dt=0.25)) for r in readings[:2]]
+    late = replace(two[0], motion=replace(two[0].motion, dt=250.0))
+    assert [str(one) for one in check_stamps([late, two[1]])] == [str(one) for one in check_stamps(two)] != []
+    assert check_stamps(readings[:2]) == []
+    half = [readings[0], replace(readings[1], motion=replace(readings[1].motion, dt=0.5))]
+    assert [one.field for one in check_stamps(half)] == ["motion.dt"]

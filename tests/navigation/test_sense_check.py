@@ -55,6 +55,13 @@ def test_an_image_that_stays_the_same_in_motion_stops_the_wheels() -> None:
     assert stops == [False] * (9 + FROZEN_STEPS) + [True] * (21 - FROZEN_STEPS)
 
 
+def test_an_image_that_stays_the_same_though_the_wheels_are_told_to_move_stops_them() -> None:
+    dead = [replace(READINGS[9], motion=replace(READINGS[9].motion, forward=0.0, turn=0.0))] * 20
+    assert checked(dead)[-1].health.stop == "the camera is frozen: the image stays the same in motion"
+    pushed = [replace(READINGS[9], motion=replace(READINGS[9].motion, forward=0.1, turn=0.0))] * 20
+    assert checked(pushed, Command())[-1].health.stop
+
+
 def test_the_same_image_while_standing_is_no_fault() -> None:
     standing = [replace(READINGS[9], motion=replace(READINGS[9].motion, forward=0.0, turn=0.0))] * 20
     assert not any(senses.health.stop for senses in checked(standing, Command()))

@@ -8,6 +8,8 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from google.protobuf.json_format import MessageToDict
+from kept import as_before
 from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
 from numpy.typing import NDArray
@@ -42,9 +44,11 @@ from topomap.core.records import (
 )
 from topomap.core.robot import Reading, Robot, TruthSource
 from topomap.core.run_data import TrueCalibration
+from topomap.recording import true_nodes
 from topomap.recording.encode import run_header
 from topomap.recording.recorder import FinalMap, MapNow, RunRecorder
 from topomap.recording.run_reader import PartialLogWarning, load_run
+from topomap.recording.true_nodes import read_truths
 
 EPOCH, STEP, STEPS = 1_700_000_000_000_000_000, 250_000_000, 30
 STATE = CalibrationState(Estimate(1.04, 0.01, True), Estimate(1.0, 0.2, False), Estimate(0.003, 0.001, True))
@@ -407,12 +411,14 @@ def test_a_reading_is_on_record_before_its_step_and_only_once(tmp_path: Path) ->
         run.sensed(first, _truth(0))
         run.observe(first, _record(0))
         run.sensed(second, _truth(1))
+        run.say("disk", "nearly full")
         run.say("fault", "the stack gave up", error=True)
     with LogReader(tmp_path / "run.mcap") as log_file:
         readings = [stamp for stamp, _ in log_file.records(topics.ODOMETRY, log.Odometry)]
         steps = [stamp for stamp, _ in log_file.records(topics.BELIEF, log.Belief)]
         said = [decode_text(item.data) for item in log_file.items(topics.TEXT)]
     assert (readings, steps) == ([_stamp(0), _stamp(1)], [_stamp(0)])
+    assert said[-2] == log.Text(log.Level.WARNING, "disk", "nearly full")
     assert said[-1] == log.Text(log.Level.ERROR, "fault", "the stack gave up")
 
 
@@ -432,3 +438,61 @@ def test_a_run_that_was_cut_off_is_a_warning(tmp_path: Path, path: Path) -> None
     cut.write_bytes(path.read_bytes()[:-30])
     with pytest.warns(PartialLogWarning, match="cut off"):
         assert load_run(cut).log_state == "cut off"
+
+
+def told(value: object) -> list[str]:
+    """Every number and word of a decoded message, in order, with its name; pictures and clouds by their length."""
+    if isinstance(value, dict):
+        return [f"{name} {one}".rstrip() for name, inner in value.items() for one in told(inner)]
+    if isinstance(value, list):
+        return [one for inner in value for one in told(inner)]
+    return [f"{value:.6g}" if isinstance(value, float) else str(value)[:40]]
+
+
+def test_every_message_is_as_before(path: Path) -> None:
+    steps = {_stamp(step) for step in (0, 3, CLOSED_AT, 25, 26, 27, STEPS - 1)}
+    found: dict[str, list[str]] = {}
+    with path.open("rb") as file:
+        reader = make_reader(file, decoder_factories=[DecoderFactory()])
+        for schema, channel, message, decoded in reader.iter_decoded_messages():
+            if message.log_time in steps:
+                words = told(MessageToDict(decoded))
+                found.setdefault(f"{channel.topic} {schema.name}", []).extend(words)
+    as_before("log", found)
+
+
+def test_a_truth_that_some_steps_lack_is_none_there(tmp_path: Path) -> None:
+    with Recorder(tmp_path / "run.mcap", run_header("room", SomeRig())) as recorder:
+        run = RunRecorder(recorder, _map)
+        for step in range(3):
+            run.observe(_reading(step), _record(step), _truth(step) if step != 1 else None)
+    truth = load_run(tmp_path / "run.mcap").truth
+    assert truth is not None
+    assert np.isnan(truth).tolist() == [[False] * 3, [True] * 3, [False] * 3]
+
+
+def test_a_large_map_is_drawn_after_some_steps_only(tmp_path: Path) -> None:
+    """A tenth of its nodes must have come by: here two steps, though each changes the map."""
+    now = MapNow(tuple((k, Pose2(k), True) for k in range(20)))
+    with Recorder(tmp_path / "run.mcap", run_header("room", SomeRig())) as recorder:
+        run = RunRecorder(recorder, lambda: now)
+        for step in range(7):
+            run.observe(_reading(step), replace(_record(step), change=replace(_change(step), solved=True)))
+    with LogReader(tmp_path / "run.mcap") as reader:
+        drawn = [item.stamp_ns for item in reader.file.items((topics.GRAPH,))]
+    assert drawn == [_stamp(0), _stamp(2), _stamp(4), _stamp(6)]
+
+
+def test_a_warning_points_at_who_asked(tmp_path: Path, path: Path) -> None:
+    (tmp_path / "cut.mcap").write_bytes(path.read_bytes()[:-30])
+    with pytest.warns(PartialLogWarning) as caught:
+        load_run(tmp_path / "cut.mcap")
+    assert caught[0].filename == __file__
+
+
+def test_true_poses_of_a_huge_file_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "true.csv").write_text("node,x_m,y_m,heading_rad\n0,1.0,2.0,0.5\n")
+    assert len(read_truths(tmp_path / "true.csv")) == 1
+    monkeypatch.setattr(true_nodes, "LARGEST", 10)
+    with pytest.raises(DataError, match="bytes are more"):
+        read_truths(tmp_path / "true.csv")

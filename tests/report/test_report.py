@@ -67,6 +67,15 @@ def test_what_comes_from_outside_is_escaped() -> None:
     assert "<b>room</b>" not in render(spiteful)
 
 
+def test_words_in_figures_are_no_formulas_and_steer_no_terminal() -> None:
+    labels = ((0.0, 0.0, "$\\frac{$"), (1.0, 1.0, "\x1b[2J $x$ [/x]"))
+    figure = routes(replace(RUN, plan=replace(RUN.plan, labels=labels)))
+    figure.savefig(io.BytesIO(), format="svg")
+    texts = [text.get_text() for text in figure.axes[0].texts]
+    assert "\\$\\frac{\\$" in texts
+    assert "\\x1b[2J \\$x\\$ [/x]" in texts
+
+
 def test_figures_that_do_not_apply_are_left_out_with_a_reason() -> None:
     text = render(BARE)
     assert text.count("<img") == 1

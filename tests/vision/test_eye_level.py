@@ -13,13 +13,16 @@ from sim2d.robot import SimRobot
 from topomap.core.panorama import Panorama
 from topomap.core.recorded import RecordedRig
 from topomap.vision.eye_level import eye_level
+from topomap.vision.tilt.upright import upright
+from topomap.vision.tilt.verticals import lean_of
 
 Pair = tuple[Panorama, Panorama, float]
 
 
-def pairs(world: str, row: float, told: float) -> list[Pair]:
-    """Views 6 steps apart of a camera with eye level at `row`, whose rig says `told`."""
-    config = SimConfig.model_validate({"camera": {"horizon_row": row}, "laser": {"scanner": "none"}})
+def pairs(world: str, row: float, told: float, pitch: float = 0.0) -> list[Pair]:
+    """Views 6 steps apart of a camera with eye level at `row`, whose rig says `told`, leaning forward [degrees]."""
+    camera = {"horizon_row": row, "pitch_deg": pitch}
+    config = SimConfig.model_validate({"camera": camera, "laser": {"scanner": "none"}})
     robot, made, before, turn = SimRobot(worlds.load(world), config, 3), [], None, 0.0
     for step in range(25):
         reading = robot.sense()
@@ -54,3 +57,12 @@ def test_noise_shows_nothing() -> None:
 def test_the_same_view_twice_shows_nothing() -> None:
     (before, _, _), *_ = pairs("hall", 49.5, 49.5)
     assert eye_level([(before, before, 0.0)] * 4) is None
+
+
+def test_a_leaning_camera_shows_it_once_its_lean_is_taken_out() -> None:
+    leaning = pairs("room-corridor", 62.0, 49.5, pitch=3.0)
+    said = lean_of(leaning[0][0])
+    assert said is not None
+    found = eye_level([(upright(a, said.lean), upright(b, said.lean), turn) for a, b, turn in leaning])
+    assert found is not None
+    assert found.row == pytest.approx(62.0, abs=1.5)

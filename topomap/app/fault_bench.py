@@ -128,6 +128,13 @@ def run_faults(tasks: Sequence[FaultTask], store: Store, count: int, progress: C
 
 HEADINGS = ("fault", "when", "good", "stopped", "false", "written", "way [m]", "ended")
 
+KEPT = ("world", "seed", *HEADINGS)
+
+
+def kept_rows(made: Sequence[FaultRun]) -> list[tuple[str, ...]]:
+    """Return one row a run under KEPT; the first four cells tell runs apart."""
+    return [(one.world, f"{one.seed}", *row) for one, row in zip(made, rows(made)[:-1], strict=True)]
+
 
 def rows(made: Sequence[FaultRun]) -> list[tuple[str, ...]]:
     """Return the table's rows under HEADINGS, and one for all together."""

@@ -246,6 +246,7 @@ def _final_map(navigator: Navigator, last: StepRecord, steps_per_s: float) -> Fi
         travel is Phase.ARRIVED if asked else None,
         last.goal.node,
         trust=mapper.optimisation.trust,
+        mount=mapper.mount,
         topology_hash=mapper.topology_hash(),
     )
 

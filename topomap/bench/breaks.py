@@ -160,6 +160,23 @@ def tally(made: Iterable[BreakDrive]) -> BreakTally:
 
 HEADINGS = ("breaks", "drives", "noticed", "95 %", "joined", "seen again", "closures", "false", "ever false", "alarms")
 
+KEPT = ("world", "seed", "breaks", "size", "noticed [m]", "first closure [m]", "closures", "false", "ever false",
+        "alarms before", "seen again", "off [m]", "turned [deg]")  # fmt: skip
+
+
+def kept_rows(made: Iterable[BreakDrive]) -> list[tuple[str, ...]]:
+    """Return one row a drive under KEPT; the first four cells tell drives apart."""
+    return [
+        (one.world, f"{one.seed}", one.kind, f"{one.size:.2f}", _cell(one.noticed), _cell(one.first_closure),
+         f"{one.closures}", f"{one.false}", f"{one.ever_false}", f"{one.early}", "yes" if one.again else "no",
+         _cell(one.off), _cell(None if one.turned is None else math.degrees(one.turned)))
+        for one in made
+    ]  # fmt: skip
+
+
+def _cell(value: float | None) -> str:
+    return "-" if value is None else f"{value:.2f}"
+
 
 def rows(made: Sequence[BreakDrive]) -> list[tuple[str, ...]]:
     """Return the table's rows under HEADINGS: one for each kind of break, and all breaks together."""

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import typer
 
-from topomap.cli.bench_commands import OUT, benches, table
+from topomap.cli.bench_commands import KEEP, OUT, benches, table
 from topomap.cli.console import console, progress
 
 
@@ -54,12 +54,14 @@ def breaks(
     jobs: int | None = typer.Option(None, min=1, help="Processes [all cores]."),
     fresh: bool = typer.Option(False, "--fresh", help="Measure anew what is known already."),
     out: Path = typer.Option(OUT / "breaks", help="Folder for the JSON."),
+    keep: Path | None = KEEP,
 ) -> None:
     """Break the odometry once a drive: is it noticed, is nothing false, is the map joined again; and false alarms."""
     from topomap.app import break_bench as bench
     from topomap.app.words import cores, parse_seeds
-    from topomap.bench.breaks import HEADINGS, rows
+    from topomap.bench.breaks import HEADINGS, KEPT, kept_rows, rows
     from topomap.bench.pool import Store, default_folder
+    from topomap.experiments.results import add_results
 
     names = [word.strip() for word in worlds.split(",") if word.strip()]
     tasks = bench.plan(names, parse_seeds(seeds), count, undisturbed, settings)
@@ -67,6 +69,8 @@ def breaks(
     with progress("breaks", len(tasks)) as advance:
         made = bench.run_breaks(tasks, store, jobs or cores(), advance)
     table("breaks", HEADINGS, rows(made))
+    if keep is not None:
+        add_results(keep, KEPT, kept_rows(made), keys=4)
     console.print(str(bench.write(made, out)), soft_wrap=True)
 
 
@@ -80,11 +84,13 @@ def faults(
     jobs: int | None = typer.Option(None, min=1, help="Processes [all cores]."),
     fresh: bool = typer.Option(False, "--fresh", help="Measure anew what is known already."),
     out: Path = typer.Option(OUT / "faults", help="Folder for the JSON."),
+    keep: Path | None = KEEP,
 ) -> None:
     """Let every sensor and driver fail, while being taught and on the way home: wheels stopped, no false arrival."""
     from topomap.app import fault_bench as bench
     from topomap.app.words import cores, parse_seeds
     from topomap.bench.pool import Store, default_folder
+    from topomap.experiments.results import add_results
 
     names = [word.strip() for word in worlds.split(",") if word.strip()]
     tasks = bench.plan(names, parse_seeds(seeds), kinds, settings)
@@ -92,6 +98,8 @@ def faults(
     with progress("faults", len(tasks)) as advance:
         made = bench.run_faults(tasks, store, jobs or cores(), advance)
     table("faults", bench.HEADINGS, bench.rows(made))
+    if keep is not None:
+        add_results(keep, bench.KEPT, bench.kept_rows(made), keys=4)
     console.print(str(bench.write(made, out)), soft_wrap=True)
 
 

@@ -15,7 +15,10 @@ from topomap.core.robot import MotionReading, RigReading
 
 @dataclass(frozen=True, slots=True)
 class RecordedRig:
-    """How recorded panoramas were taken; fits `topomap.core.robot.RigReading`, which says what the fields mean."""
+    """How recorded panoramas were taken; fits `topomap.core.robot.RigReading`, which says what the fields mean.
+
+    roll: to the right, pitch: forward [rad]: how the camera leant, as was found in its views.
+    """
 
     width: int
     height: int
@@ -24,6 +27,8 @@ class RecordedRig:
     camera_height: float
     forward_column: int
     clockwise: bool
+    roll: float = 0.0
+    pitch: float = 0.0
 
     @staticmethod
     def of(rig: RigReading) -> RecordedRig:

@@ -130,6 +130,21 @@ class CalibrationState:
 
 
 @dataclass(frozen=True, slots=True)
+class MountLean:
+    """How the camera's mount leans, by what stands upright in its views.
+
+    roll: to the right, pitch: forward [rad]; sigma: of both [rad]; sway: how far the body leans besides, from step to
+    step [rad], 0 where it doesn't; taken_out: whether views are taken upright before anything else uses them.
+    """
+
+    roll: float
+    pitch: float
+    sigma: float
+    sway: float = 0.0
+    taken_out: bool = False
+
+
+@dataclass(frozen=True, slots=True)
 class PlaceMatch:
     """The most similar node: node id, difference (0 same, about 1.4 unrelated) and rotation [rad] as in Alignment."""
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from topomap.core.arrays import BoolArray, FloatArray, Image, IntArray
-from topomap.core.records import CalibrationState, Decision, Plan
+from topomap.core.records import CalibrationState, Decision, MountLean, Plan
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ class RunData:
     threshold: for a new snapshot; decisions: every verdict in time order (a candidate may get several);
     first_closure: panoramas (as recorded) some steps before and at the first accepted closure, and of its match;
     stage_ms: milliseconds (N,) by stage of the step, NaN where none was logged;
-    trust: what the finished map makes of its evidence;
+    trust: what the finished map makes of its evidence; mount: how the camera leans, None where too little was seen;
     earlier: true poses (3,) of nodes that the run's map had before it, by stamp;
     milestones: the node ids of the planned route home; claimed: the robot said that it arrived; goal_node: where it was
     sent; fault: what ended the run before its time; log_state, log_note: whether all that was written of it was there
@@ -89,6 +89,7 @@ class RunData:
     replayed: bool = False
     graph_hash: str = ""
     trust: Trust = field(default_factory=Trust)
+    mount: MountLean | None = None
     topology_hash: str = ""
     fault: str = ""
     log_state: str = "whole"

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from topomap.core.arrays import FloatArray
-from topomap.core.records import Estimate
+from topomap.core.records import Estimate, MountLean
 from topomap.core.run_data import RunData
 from topomap.evaluation.closures import count
 from topomap.evaluation.journey import home
@@ -68,6 +68,7 @@ def summarise(run: RunData) -> Summary:
             "way_noise": _number(run.trust.way_noise),
             "turn_noise": _number(run.trust.turn_noise),
         },
+        "mount": _mount(run.mount),
         "graph_hash": run.graph_hash,
         "topology_hash": run.topology_hash,
         "fault": run.fault or None,
@@ -133,6 +134,16 @@ def _scale(true: float | None, estimated: Estimate | None) -> Summary:
     found = estimated.value if estimated is not None and estimated.observed else None
     sigma = estimated.sigma if estimated is not None else None
     return {"true": _number(true), "found": _number(found), "sigma": _number(sigma)}
+
+
+def _mount(mount: MountLean | None) -> Summary:
+    """Say in degrees how the camera leans: all null where too little was seen."""
+    angles = (None,) * 4 if mount is None else (mount.roll, mount.pitch, mount.sigma, mount.sway)
+    names = ("roll_deg", "pitch_deg", "sigma_deg", "sway_deg")
+    said: Summary = {
+        name: None if a is None else _number(math.degrees(a)) for name, a in zip(names, angles, strict=True)
+    }
+    return said | {"taken_out": None if mount is None else mount.taken_out}
 
 
 def _number(value: float | None) -> float | None:

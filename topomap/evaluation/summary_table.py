@@ -27,6 +27,7 @@ def table_rows(summary: Summary) -> list[tuple[str, str]]:
         ("curvature", _scale(_part(summary, "curvature"), ".5f", " rad/m")),
         ("home", _home(home)),
         ("declared sigma x", _odometer(_part(summary, "trust"))),
+        ("camera leans", _mount(_part(summary, "mount")) if "mount" in summary else MISSING),
         ("map kept", str(_part(summary, "trust")["kept"] or MISSING)),
         ("graph hash", str(summary["graph_hash"])[:16] or MISSING),
         *_troubles(summary),
@@ -82,6 +83,16 @@ def _scale(part: Part, form: str, unit: str) -> str:
     if part["found"] is None:
         return f"unobserved, true {true}{unit}" if part["sigma"] is not None else MISSING
     return f"{_text(part['found'], form)} ± {sigma}, true {true}{unit}"
+
+
+def _mount(part: Part) -> str:
+    if part["roll_deg"] is None:
+        return "unobserved: nothing upright was seen"
+    sway = f", sways by {_text(part['sway_deg'], '.1f')}" if part["sway_deg"] else ""
+    return (
+        f"{_text(part['roll_deg'], '.2f')} right, {_text(part['pitch_deg'], '.2f')} forward"
+        f" ± {_text(part['sigma_deg'], '.2f')} degrees{sway}, {'taken out' if part['taken_out'] else 'left as it is'}"
+    )
 
 
 def _odometer(part: Part) -> str:

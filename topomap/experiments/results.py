@@ -38,7 +38,9 @@ def read_results(path: Path) -> Results:
     return Results(commands, tuple(dict(zip(head, row, strict=True)) for row in body))
 
 
-def add_results(path: Path, head: Sequence[str], rows: Iterable[Sequence[str]], keys: int) -> None:
+def add_results(
+    path: Path, head: Sequence[str], rows: Iterable[Sequence[str]], keys: int, program: str = "topomap"
+) -> None:
     """Write rows into a file of figures, in place of those there that share the first `keys` cells. Raises DataError.
 
     The command line of this process joins those that made the file, without what decides no figure.
@@ -50,16 +52,16 @@ def add_results(path: Path, head: Sequence[str], rows: Iterable[Sequence[str]], 
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(head)
     writer.writerows(known.values())
-    commands = dict.fromkeys((*before.commands, _command(sys.argv[1:])))
+    commands = dict.fromkeys((*before.commands, _command(program, sys.argv[1:])))
     path.parent.mkdir(parents=True, exist_ok=True)
     write_whole(path, "".join(f"{MARK}{one}\n" for one in commands) + text.getvalue())
 
 
-def _command(words: Sequence[str]) -> str:
+def _command(program: str, words: Sequence[str]) -> str:
     """Return a command line without where it writes and how many processes it takes."""
     told = list(words)
     for name in ("--out", "--jobs"):
         if name in told:
             at = told.index(name)
             del told[at : at + 2]
-    return " ".join(("topomap", *(word for word in told if word not in ("--fresh", "--no-pictures"))))
+    return " ".join((program, *(word for word in told if word not in ("--fresh", "--no-pictures"))))

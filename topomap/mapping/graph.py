@@ -139,6 +139,14 @@ class TopoMap:
         """Set the poses (n, 3) of some nodes (n,)."""
         self.poses[nodes] = poses
 
+    def lean(self, node: int, roll: float, pitch: float) -> None:
+        """Let a snapshot's camera have leant so [rad]. Raises ValueError for a node without one."""
+        held = self.nodes[node]
+        if held.snapshot is None:
+            raise ValueError(f"node {node} is a pose node without a view")
+        rig = replace(held.snapshot.rig, roll=roll, pitch=pitch)
+        self.nodes[node] = replace(held, snapshot=replace(held.snapshot, rig=rig))
+
     def judge(self, noise: OdometerNoise) -> None:
         """Take the odometry's errors for what the data says."""
         self.noise = noise

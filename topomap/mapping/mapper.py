@@ -9,21 +9,18 @@ from pydantic import BaseModel, Field
 
 from topomap.core.geometry import Pose2
 from topomap.core.panorama import Panorama
-from topomap.core.recorded import RecordedRig
-from topomap.core.records import Candidate, Decision, MapChange, NodeAdded, PlaceMatch
+from topomap.core.records import Candidate, Decision, MapChange, MountLean, NodeAdded, PlaceMatch
 from topomap.core.robot import Reading
-from topomap.core.view_size import parse_view
 from topomap.mapping.closures.closure_tests import ClosureTest
 from topomap.mapping.closures.ledger import Ledger
 from topomap.mapping.closures.online import Closing, ClosingSettings
 from topomap.mapping.closures.robot_tests import RobotTests
-from topomap.mapping.graph import Snapshot, TopoMap
+from topomap.mapping.graph import TopoMap
 from topomap.mapping.odometry.watch import OdometryWatch
 from topomap.mapping.optimisation import Optimisation, OptimisationSettings
+from topomap.mapping.places.drive_views import DriveViews
 from topomap.mapping.places.recognition import Recognition, RecognitionSettings
-from topomap.mapping.places.small_view import small_view, snapshot_of
 from topomap.mapping.places.snapshots import SnapshotSettings, View, make_rule
-from topomap.mapping.places.view_cache import ViewCache
 from topomap.mapping.sessions.drive_start import DriveStart
 from topomap.mapping.track import Track
 from topomap.vision.choice import AlignerChoice
@@ -55,10 +52,8 @@ class Mapper:
         self.map = resumed.map if resumed else TopoMap()
         if self.map.view == "full":
             self.map.view = settings.snapshots.view
-        self._size = parse_view(self.map.view)
-        self.view_cache = ViewCache(self.map)
-        self._large = ViewCache(self.map, 2)  # the last two snapshots as the camera saw them
-        self._whole: Panorama | None = None
+        self._views = DriveViews(self.map)
+        self.view_cache = self._views.cache
         self.ledger = Ledger()
         self.track = Track(self.map)
         self.optimisation = Optimisation(settings.optimisation, aligner, self.map)
@@ -91,9 +86,32 @@ class Mapper:
                 self.recognition.recall(node, self.map.nodes[node].travel, self.view_cache.panorama(node))
 
     def seen(self, panorama: Panorama) -> Panorama:
-        """Return a view as the map keeps views: what place search, compass and homing compare."""
-        self._whole = panorama
-        return panorama if self._size is None else small_view(panorama, self._size)
+        """Return a view as the map keeps views, upright: what place search, compass and homing compare.
+
+        To be asked once for each reading, before `update`.
+        """
+        seen = self._views.see(panorama)
+        if self._views.restated:
+            self._restate()
+        return seen
+
+    @property
+    def mount(self) -> MountLean | None:
+        """How the camera leans, None where too few views have shown it."""
+        return self._views.mount
+
+    @property
+    def restated_lean(self) -> str:
+        """What was newly found of the camera's lean by the last view, in plain words, "" for nothing."""
+        return self._views.said
+
+    def _restate(self) -> None:
+        """Take what was seen in this drive for what it is, now that the camera's lean is known better."""
+        for node, view in self._views.restate():
+            self.recognition.restate(node, view)
+        if self._previous is not None:
+            self._previous = self._views.before()
+            self._watch.restate(self._previous)
 
     def update(self, reading: Reading, panorama: Panorama) -> MapChange:
         """Take one reading: extend the track, keep or not, search, test closures, solve; return what changed.
@@ -225,7 +243,7 @@ class Mapper:
             return ()
         self._kept_at = self.track.travel
         taught = shown or not self.map.nodes
-        snapshot = self._snapshot(reading, panorama) if taught else None
+        snapshot = self._views.snapshot(reading, panorama) if taught else None
         node = self.track.node_at(reading.stamp_ns, snapshot)
         if self.first is None:
             self.first = node
@@ -233,15 +251,11 @@ class Mapper:
                 self._gap, self._before_gap = node, len(self.recognition)
         if broken:
             self._gap = node
-        if taught:
+        if snapshot is not None:
             self._learn_contrast(panorama)
+            self._views.keep(node, snapshot, reading, panorama)
             self._remember(node, panorama)
         return (NodeAdded(node, reading.stamp_ns, self.map.pose(node), taught, reason),)
-
-    def _snapshot(self, reading: Reading, panorama: Panorama) -> Snapshot:
-        if self._size is not None and reading.rig.width > self._size.columns:
-            return snapshot_of(panorama)
-        return Snapshot(reading.encoded, reading.ranges, RecordedRig.of(reading.rig))
 
     def _reason(self, panorama: Panorama, difference: float, driven: bool) -> str | None:
         if self._previous is None:
@@ -264,11 +278,9 @@ class Mapper:
         self.recognition.learn_contrast(panorama, elsewhere, self.map.poses[elsewhere, :2], apart)
 
     def _remember(self, node: int, panorama: Panorama) -> None:
-        self.view_cache.put(node, panorama)
         self.recognition.add(node, self.track.travel, panorama)
-        self._large.put(node, self._whole or panorama)
         if self._last_snapshot >= 0:  # what isn't kept of a view helps while it is at hand
-            self.optimisation.sequential.compare(self._last_snapshot, node, self._large)
+            self.optimisation.sequential.compare(self._last_snapshot, node, self._views.whole)
         self._last_snapshot = node
 
     def _recognise(self, stamp_ns: int, panorama: Panorama) -> tuple[PlaceMatch | None, tuple[Decision, ...]]:

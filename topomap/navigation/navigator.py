@@ -81,7 +81,8 @@ class Navigator:
             command, travel = self._course.step(panorama, where.pose, self.mapper.track.raw)
         else:
             command, travel = self._travel(senses, where, goal)
-        travel = _with_event(travel, senses.health.event)
+        for event in (senses.health.event, self.mapper.restated_lean):
+            travel = _with_event(travel, event)
         self._command = command
         self._sense_check.commanded(command)
         self._mission.report(travel)

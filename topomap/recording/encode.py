@@ -95,8 +95,9 @@ def points(reading: Reading) -> log.Points:
     assert reading.ranges is not None
     ranges = reading.ranges[::POINT_STRIDE]
     bearings = np.arange(0, len(reading.ranges), POINT_STRIDE) * (2 * np.pi / len(reading.ranges))
-    points = np.stack([ranges * np.cos(bearings), ranges * np.sin(bearings)], axis=1)
-    return log.Points(points[np.isfinite(points).all(axis=1)].astype(np.float32))
+    known = np.isfinite(ranges)
+    ranges, bearings = ranges[known], bearings[known]
+    return log.Points(np.stack([ranges * np.cos(bearings), ranges * np.sin(bearings)], axis=1).astype(np.float32))
 
 
 def difference(change: MapChange, travel: Travel) -> log.ImageDifference:

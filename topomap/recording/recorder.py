@@ -12,7 +12,7 @@ from logs import topics
 from logs.recorder import Recorder
 from topomap.core.arrays import FloatArray, IntArray
 from topomap.core.geometry import Pose2
-from topomap.core.records import CalibrationState, Decision, MapChange, StepRecord, Travel, Verdict
+from topomap.core.records import CalibrationState, Decision, MapChange, MountLean, StepRecord, Travel, Verdict
 from topomap.core.robot import Reading, Truth, TruthSource
 from topomap.core.run_data import Trust
 from topomap.recording import encode
@@ -33,6 +33,7 @@ class FinalMap:
     stamps_ns (N,); poses (N, 3) the trajectory in the map frame; nodes (id, stamp [ns], pose, snapshot); edges
     (a, b, kind); claimed: the robot said it arrived, None when it wasn't sent anywhere; decisions: the verdicts that
     the last solve, after the last step, changed; trust: what the map makes of its evidence;
+    mount: how the camera leans, None where too little was seen;
     fault: what ended the run before its time.
     """
 
@@ -47,6 +48,7 @@ class FinalMap:
     goal_node: int | None = None
     decisions: tuple[Decision, ...] = ()
     trust: Trust = field(default_factory=Trust)
+    mount: MountLean | None = None
     topology_hash: str = ""
     fault: str = ""
 
@@ -215,6 +217,7 @@ def _rows(now: MapNow, kind: str) -> IntArray:
 
 def _final(final: FinalMap) -> log.Final:
     stamps: list[int] = np.asarray(final.stamps_ns).tolist()
+    mount = final.mount
     return log.Final(
         stamps_ns=tuple(stamps),
         poses=encode.row(final.poses),
@@ -227,6 +230,11 @@ def _final(final: FinalMap) -> log.Final:
         kept=final.trust.kept or None,
         way_noise=final.trust.way_noise,
         turn_noise=final.trust.turn_noise,
+        roll=None if mount is None else float(mount.roll),
+        pitch=None if mount is None else float(mount.pitch),
+        lean_sigma=None if mount is None else float(mount.sigma),
+        sway=None if mount is None else float(mount.sway),
+        taken_out=None if mount is None else bool(mount.taken_out),
         topology_hash=final.topology_hash,
         fault=final.fault or None,
     )

@@ -16,7 +16,7 @@ from logs.reader import Gathered, LogReader
 from logs.replay import decoded
 from topomap.core.arrays import FloatArray, Image
 from topomap.core.errors import DataError
-from topomap.core.records import CalibrationState, Decision, Phase, Verdict
+from topomap.core.records import CalibrationState, Decision, MountLean, Phase, Verdict
 from topomap.core.run_data import NodeData, RunData, Trust
 from topomap.recording import decode
 from topomap.recording import steps as columns
@@ -111,6 +111,7 @@ def _load(log_file: LogReader) -> RunData:
         replayed=header.replayed,
         graph_hash="" if final is None else final.graph_hash,
         trust=Trust() if final is None else Trust(final.kept or "", final.way_noise, final.turn_noise),
+        mount=_mount(final),
         stage_ms=steps.stage_ms,
         steps_per_s=None if performance is None else performance.steps_per_s,
         topology_hash=(final and final.topology_hash) or "",
@@ -118,6 +119,12 @@ def _load(log_file: LogReader) -> RunData:
         log_state=log_file.state.word,
         log_note=log_file.state.note,
     )
+
+
+def _mount(final: log.Final | None) -> MountLean | None:
+    if final is None or final.roll is None or final.pitch is None or final.lean_sigma is None:
+        return None
+    return MountLean(final.roll, final.pitch, final.lean_sigma, final.sway or 0.0, bool(final.taken_out))
 
 
 def _last(rows: Gathered, topic: str, kind: type[R]) -> R | None:

@@ -20,7 +20,7 @@ def map_readings(drive: DriveFolder, settings: MapperSettings, known: TrueCalibr
     robot = FolderRobot(drive)
     online, raw, stamps, truths = [], [], [], []
     while (reading := robot.sense()) is not None:
-        change: MapChange = mapper.update(reading, Panorama.from_reading(reading))
+        change: MapChange = mapper.update(reading, mapper.seen(Panorama.from_reading(reading)))
         online.append(change.pose.array())
         raw.append(mapper.track.raw.array())
         stamps.append(reading.stamp_ns)
@@ -38,5 +38,5 @@ def map_readings(drive: DriveFolder, settings: MapperSettings, known: TrueCalibr
         dead_reckoning=np.array(raw), online=np.array(online), final=final,
         truth=None if drive.table.truth is None else np.array(truths), nodes=nodes,
         decisions=tuple(mapper.ledger.decisions), calibration=mapper.optimisation.state, true_calibration=known,
-        graph_hash=mapper.graph_hash(), trust=mapper.optimisation.trust,
+        graph_hash=mapper.graph_hash(), trust=mapper.optimisation.trust, mount=mapper.mount,
     )  # fmt: skip

@@ -51,6 +51,7 @@ def _check_rig(rig: dict[str, Any]) -> None:
     _must(type(own.forward_column) is int and 0 <= own.forward_column < own.width, "a rig's forward column")
     _must(type(own.clockwise) is bool, "a rig's direction")
     _must(all(map(_number, (own.horizon_row, own.focal, own.camera_height))), "a rig that is numbers")
+    _must(all(_number(lean) and abs(lean) < 1.0 for lean in (own.roll, own.pitch)), "a camera that leans by less")
     _must(own.focal > 0 and abs(own.horizon_row) < 1e6, "a rig's focal length and horizon")
 
 

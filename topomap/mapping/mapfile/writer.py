@@ -12,12 +12,14 @@ from typing import Any
 import numpy as np
 
 from topomap.core.errors import DataError
+from topomap.core.recorded import RecordedRig
 from topomap.mapping.graph import TopoMap
 from topomap.mapping.mapfile.archive import Array, pack
 from topomap.mapping.odometry.increments import Increments
 
-FORMAT = 3
-"""What is written. Format 1 kept no measured turns; format 2 no numbers of nodes, places or several drives."""
+FORMAT, UPRIGHT = 4, 3
+"""What is written where a camera leans, and where none does. Format 1 kept no measured turns; format 2 no numbers of
+nodes, places or several drives; format 3 no leaning cameras."""
 
 
 def save_map(topo: TopoMap, path: Path | str) -> None:
@@ -90,11 +92,19 @@ def _meta(topo: TopoMap) -> dict[str, Any]:
     rigs = sorted({n.snapshot.rig for n in topo.nodes if n.snapshot}, key=repr)
     names = [rigs.index(n.snapshot.rig) if n.snapshot else -1 for n in topo.nodes]
     return {
-        "format": FORMAT,
+        "format": FORMAT if any(rig.roll or rig.pitch for rig in rigs) else UPRIGHT,
         "writer": f"topomap {version('topomap')}",
         "calibration": asdict(topo.calibration),
-        "rigs": [asdict(rig) for rig in rigs],
+        "rigs": [_rig(rig) for rig in rigs],
         "rig_of": names,
         "places": dict(sorted(topo.places.items())),
         "view": topo.view,
     }
+
+
+def _rig(rig: RecordedRig) -> dict[str, Any]:
+    """Return a rig's members; an upright one is written as it was before cameras leant."""
+    members = asdict(rig)
+    if not (rig.roll or rig.pitch):
+        del members["roll"], members["pitch"]
+    return members

@@ -87,6 +87,10 @@ class OdometryWatch:
         patience = PATIENCE + STEPS if self._scans.sees else PATIENCE
         return not self._scans.untrue and max(self._dead, self._spinning) >= patience
 
+    def restate(self, previous: Panorama | None) -> None:
+        """Take the last view for another one: its camera leant otherwise than was known."""
+        self._previous = previous
+
     def judge(self, panorama: Panorama, motion: MotionReading, calibration: Calibration) -> str:
         """Return why the robot isn't where odometry has it, or "": it was carried away, or wheels failed until now."""
         previous, self._previous = self._previous, panorama

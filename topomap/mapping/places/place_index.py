@@ -40,18 +40,21 @@ class PlaceIndex:
 
     def add(self, view: Signature) -> None:
         """Store a view at the end."""
-        key = _key(view)
         if self._count == len(self._spectra):
             size = max(64, self._count * 3 // 2)
             spectra = np.zeros((size, *view.spectrum.shape), np.complex64)
-            keys, powers = np.zeros((size, len(key)), np.float32), np.zeros(size)
+            keys, powers = np.zeros((size, len(_key(view))), np.float32), np.zeros(size)
             if self._count:
                 spectra[: self._count], keys[: self._count] = self._spectra, self._keys
                 powers[: self._count] = self._powers
             self._spectra, self._keys, self._powers = spectra, keys, powers
-        self._spectra[self._count], self._keys[self._count] = view.spectrum, key
-        self._powers[self._count] = spectra_powers(view.spectrum[np.newaxis], view.pixels.shape[1])[0]
         self._count += 1
+        self.replace(self._count - 1, view)
+
+    def replace(self, place: int, view: Signature) -> None:
+        """Store a view in place of an earlier one."""
+        self._spectra[place], self._keys[place] = view.spectrum, _key(view)
+        self._powers[place] = spectra_powers(view.spectrum[np.newaxis], view.pixels.shape[1])[0]
 
     def compare(self, view: Signature, places: IntArray) -> RotationDifferences:
         """Return the differences to some stored views (n,)."""

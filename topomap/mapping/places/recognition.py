@@ -108,6 +108,11 @@ class Recognition:
         self._nodes.append(node)
         self._travel.append(travel)
 
+    def restate(self, node: int, panorama: Panorama) -> None:
+        """Take a snapshot's view for another one: what was found by the earlier one isn't examined any more."""
+        self.index.replace(self._nodes.index(node), signature(panorama))
+        self.pass_over()
+
     def recall(self, node: int, travel: float, panorama: Panorama) -> None:
         """Make a node of a loaded map findable, and learn from it how different other places look."""
         self._learn(signature(panorama), travel)

@@ -28,6 +28,10 @@ class ViewCache:
         if len(self._views) > self._size:
             self._views.popitem(last=False)
 
+    def drop(self, node: int) -> None:
+        """Let go of a panorama that isn't as the map has it any more."""
+        self._views.pop(node, None)
+
     def panorama(self, node: int) -> Panorama:
         """Return the view of a snapshot node. Raises KeyError for a pose node, DataError for no image."""
         if node not in self._views:

@@ -1,0 +1,77 @@
+"""Figures held against those of before: a sign, a constant or a step that changes without being meant to shows there.
+
+`TOPOMAP_ANSWERS=write pytest tests/mapping tests/navigation -k as_before` writes tests/golden/stages anew, after a
+change that is meant to change them; the difference of the files then says what it changed.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from topomap.core.records import StepRecord
+
+FOLDER = Path(__file__).parents[1] / "golden" / "stages"
+CLOSE = 1e-4
+"""Machines differ in the last digits, and what is iterated or summed over a view in some more."""
+Kept = list[float | str | None]
+Figures = Mapping[str, ArrayLike | Sequence[str]]
+
+
+def as_before(name: str, figures: Figures, part: bool = False, close: float = CLOSE) -> None:
+    """Fail where figures (numbers of any shape, or words) aren't those of the file NAME.json, or a part of them."""
+    path = FOLDER / f"{name.replace(', ', '-').replace(' ', '-')}.json"
+    now = {said: _flat(one) for said, one in figures.items()}
+    then: dict[str, Kept] = json.loads(path.read_text(encoding="utf8")) if path.exists() else {}
+    if os.environ.get("TOPOMAP_ANSWERS") == "write":
+        then = then | now if part else now
+        lines = ",\n".join(f"{json.dumps(said)}: {json.dumps(one)}" for said, one in then.items())
+        path.write_text(f"{{\n{lines}\n}}\n", encoding="utf8")
+    assert part or list(now) == list(then)
+    for said, one in now.items():
+        assert len(one) == len(then[said]), said
+        for k, (a, b) in enumerate(zip(one, then[said], strict=True)):
+            assert _same(a, b, close), f"{said}[{k}] is {a}, was {b}"
+
+
+def of_drive(records: Sequence[StepRecord], every: int = 5) -> Figures:
+    """Return what a drive's steps saw and decided: poses and belief of some steps, every closure's verdict, nodes."""
+    some = records[::every]
+    decisions = [d for record in records for d in record.change.decisions]
+    evidence = [d.candidate.evidence.measured() for d in decisions]
+    return {
+        "pose": [record.where.pose.array() for record in some],
+        "lost": [record.where.lost for record in some],
+        "difference": [record.where.difference for record in some],
+        "threshold": [record.change.threshold for record in some],
+        "rivals": [sum(rival.weight for rival in record.where.rivals) for record in some],
+        "command": [(record.command.forward, record.command.turn) for record in some],
+        "events": [record.where.event for record in records if record.where.event],
+        "broken": [word for record in records for word in (record.change.broken, record.change.mended) if word],
+        "notes": [record.travel.note for record in records if record.travel.note],
+        "added": [f"{k}: {one.reason}" for k, record in enumerate(records) for one in record.change.added],
+        "verdicts": [f"{d.candidate.match}: {d.verdict}: {d.reason}" for d in decisions],
+        "closed": [d.candidate.relative.array() for d in decisions],
+        "spread": [np.sqrt(np.diag(d.candidate.covariance)) for d in decisions],
+        "measured": [name for one in evidence for name in one],
+        "evidence": [value for one in evidence for value in one.values()],
+    }
+
+
+def _flat(values: ArrayLike | Sequence[str]) -> Kept:
+    found = np.asarray(values).ravel()
+    if found.dtype.kind in "US":
+        return [str(one) for one in found.tolist()]
+    return [float(f"{one:.7g}") if math.isfinite(one) else str(one) for one in found.astype(float).tolist()]
+
+
+def _same(a: float | str | None, b: float | str | None, close: float) -> bool:
+    if isinstance(a, float) and isinstance(b, (float, int)):
+        return abs(a - b) <= close * max(1.0, abs(b)) if close else a == b
+    return a == b
