@@ -9,7 +9,8 @@ import pytest
 from kept import as_before
 
 from topomap.core.arrays import FloatArray
-from topomap.mapping.turn_evidence import SHARE_UNCHECKED, MeasuredTurn, TurnEvidence, Weighed
+from topomap.mapping.measured_turns import MeasuredTurn
+from topomap.mapping.turn_evidence import SHARE_UNCHECKED, TurnEvidence, Weighed
 
 DEGREE = math.radians(1.0)
 WAY = 0.3  # [m]

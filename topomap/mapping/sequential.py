@@ -12,12 +12,13 @@ from topomap.core.geometry import wrap
 from topomap.core.panorama import Panorama
 from topomap.core.records import Estimate
 from topomap.mapping.graph import TopoMap
+from topomap.mapping.measured_turns import MeasuredTurn
 from topomap.mapping.odometry.calibration import DistanceScale
 from topomap.mapping.odometry.increments import Calibration, Increments, integrate
 from topomap.mapping.odometry.noise import OdometerNoise, declared, rolled
 from topomap.mapping.optimizer import TurnEdge
 from topomap.mapping.places.view_cache import ViewCache
-from topomap.mapping.turn_evidence import SHARE_UNCHECKED, UNCHECKED, MeasuredTurn, TurnEvidence
+from topomap.mapping.turn_evidence import SHARE_UNCHECKED, UNCHECKED, TurnEvidence
 from topomap.vision.compass.epipolar_compass import EpipolarCompass
 from topomap.vision.contracts import Aligner
 from topomap.vision.homing.epipolar import ENOUGH
