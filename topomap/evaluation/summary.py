@@ -27,8 +27,6 @@ def summarise(run: RunData) -> Summary:
     A calibration value that the data doesn't show has found null and keeps its sigma. A replay's home members
     are all null. distance_m is the true path length, or the odometry's where the truth is unknown.
     """
-    way = home(run)
-    closures = count(run)
     estimated, true = run.calibration, run.true_calibration
     return {
         "world": run.world,
@@ -38,31 +36,14 @@ def summarise(run: RunData) -> Summary:
         "steps": len(run.stamps_ns),
         "steps_per_s": _number(run.steps_per_s),
         "snapshots": sum(node.snapshot for node in run.nodes),
-        "closures": {
-            "proposed": closures.proposed,
-            "accepted": closures.accepted,
-            "false": closures.false,
-            "gross": closures.gross,
-            "possible": closures.possible,
-            "recall": _number(closures.recall),
-            "false_ever": closures.false_ever,
-            "recall_standing": _number(closures.recall_standing),
-        },
+        "closures": _closures(run),
         "dead_reckoning_ate_m": _ates(run, run.dead_reckoning),
         "map_ate_m": _ates(run, run.final),
         "online_ate_m": _ates(run, run.online),
         "rotation_scale": _scale(true.rotation_scale, estimated.rotation_scale if estimated else None),
         "distance_scale": _scale(true.distance_scale, estimated.distance_scale if estimated else None),
         "curvature": _scale(true.curvature, estimated.curvature if estimated else None),
-        "home": {
-            "asked": way.asked,
-            "claimed": way.claimed,
-            "within_0_3_m": way.within,
-            "error_m": _number(way.error),
-            "path_ratio": _number(way.path_ratio),
-            "shortest_ratio": _number(way.shortest_ratio),
-            "collisions": way.collisions,
-        },
+        "home": _home(run),
         "trust": {
             "kept": run.trust.kept or None,
             "way_noise": _number(run.trust.way_noise),
@@ -74,6 +55,33 @@ def summarise(run: RunData) -> Summary:
         "fault": run.fault or None,
         "log": {"state": run.log_state, "note": run.log_note or None},
         "versions": plain(run.versions),
+    }
+
+
+def _closures(run: RunData) -> Summary:
+    closures = count(run)
+    return {
+        "proposed": closures.proposed,
+        "accepted": closures.accepted,
+        "false": closures.false,
+        "gross": closures.gross,
+        "possible": closures.possible,
+        "recall": _number(closures.recall),
+        "false_ever": closures.false_ever,
+        "recall_standing": _number(closures.recall_standing),
+    }
+
+
+def _home(run: RunData) -> Summary:
+    way = home(run)
+    return {
+        "asked": way.asked,
+        "claimed": way.claimed,
+        "within_0_3_m": way.within,
+        "error_m": _number(way.error),
+        "path_ratio": _number(way.path_ratio),
+        "shortest_ratio": _number(way.shortest_ratio),
+        "collisions": way.collisions,
     }
 
 

@@ -46,8 +46,7 @@ class UprightViews:
     @property
     def said(self) -> str:
         """What was newly found by the last view, in plain words, "" for nothing."""
-        found = self.estimate
-        if not self.restated or found is None:
+        if not self.restated or (found := self.estimate) is None:  # the estimate costs a median over all readings
             return ""
         roll, pitch, sigma, sway = (math.degrees(a) for a in (found.roll, found.pitch, found.sigma, found.sway))
         moves = f" and sways by {sway:.1f}" if sway else ""
