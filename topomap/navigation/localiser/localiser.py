@@ -51,7 +51,9 @@ class Localiser:
     """While the robot is taught and nothing speaks against it, it is where its track ends; otherwise a belief says.
 
     The belief holds what is seen against the whole map. Where it and the track part, the track is mended. While the
-    robot is taught it watches on known ground alone: new ground may look like any place.
+    robot is taught it watches on known ground alone: new ground may look like any place. And then it holds the view
+    against earlier passes alone: what this one stored was seen from as far beside the way and in the same light, so
+    that along a corridor another door of this pass is more alike than the place itself as an earlier one saw it.
     """
 
     def __init__(self, start: Start = HERE) -> None:
@@ -61,13 +63,14 @@ class Localiser:
         self._lost = start.unknown  # from a break on, until the belief is sure again
         self._unproven = False  # the same, and after it was turned by no wheel
         self._right: int | None = None  # the last node of the track that the belief agreed with
+        self._earlier: int | None = None  # snapshots, of the first ones, made before this pass over known ground
 
     def update(self, panorama: Panorama, mapper: Mapper, change: MapChange, driven: bool) -> Where:
         """Return the belief of this step; driven: somebody else has the wheels, and the map grows."""
         if change.broken:
             self._lost, self._belief = True, self._shaken(mapper)
-        elif driven and not self._lost and not _on_known_ground(mapper):
-            self._belief = None
+        elif driven and not self._lost and not self._on_known_ground(mapper):
+            self._belief, self._earlier = None, len(mapper.recognition)
         elif self._belief is None:
             self._belief = self._begun(mapper, change, driven)
         if self._belief is not None and mapper.handled and not change.broken:
@@ -77,7 +80,7 @@ class Localiser:
         if self._belief is None:
             return tracked
         watching = driven and not self._lost
-        where = self._believe(self._belief, panorama, mapper, watching)
+        where = self._believe(self._belief, panorama, mapper, self._first(mapper, driven))
         event = change.broken or self._mend(where, mapper, driven)
         proven = self._belief.stretches >= STRETCHES and where.lost < SURE
         self._unproven = self._lost or (self._unproven and not proven)
@@ -96,8 +99,9 @@ class Localiser:
         """Return a fresh belief where one is needed: on a journey, where the start isn't the track, on known ground."""
         start, self._start = self._start, HERE
         if start.unknown:
+            self._earlier = mapper.located
             return Belief(Mixture.unknown(), mapper.map)
-        if driven and not _on_known_ground(mapper) and start.pose is None and start.node is None:
+        if driven and not self._on_known_ground(mapper) and start.pose is None and start.node is None:
             return None
         given = start.pose or (mapper.map.pose(start.node) if start.node is not None else None)
         if given is None and driven and not any(d.verdict is Verdict.ACCEPTED for d in change.decisions):
@@ -105,8 +109,23 @@ class Localiser:
         self._right = mapper.map.chain[-1]
         return Belief(Mixture.at((given or mapper.track.pose).array(), TRACKED, DOUBT), mapper.map)
 
-    def _believe(self, belief: Belief, panorama: Panorama, mapper: Mapper, watching: bool) -> Where:
-        first = mapper.left_behind if watching else mapper.located
+    def _first(self, mapper: Mapper, driven: bool) -> int:
+        """Return how many snapshots, of the first ones, the view is held against."""
+        if not driven:
+            return mapper.located
+        earlier = len(mapper.recognition) if self._earlier is None else self._earlier
+        return min(earlier, mapper.located if self._lost else mapper.left_behind)
+
+    def _on_known_ground(self, mapper: Mapper) -> bool:
+        """Return whether the track has the robot near a place of an earlier pass, left long enough ago."""
+        nodes = mapper.recognition.nodes()[: self._first(mapper, driven=True)]
+        if not len(nodes):
+            return False
+        here = mapper.track.pose
+        away = np.hypot(mapper.map.poses[nodes, 0] - here.x, mapper.map.poses[nodes, 1] - here.y)
+        return float(away.min()) <= REACH
+
+    def _believe(self, belief: Belief, panorama: Panorama, mapper: Mapper, first: int) -> Where:
         nodes = mapper.recognition.nodes()[:first]
         belief.follow(mapper.map, nodes)
         belief.move(mapper.track.motion, _noise(mapper.track.motion, mapper.doubted))
@@ -149,15 +168,6 @@ def _noise(motion: Motion, doubted: bool) -> FloatArray:
     way = abs(motion.forward) + abs(motion.left)
     slip = np.array([SLIP[0] * way, SLIP[1] * way, SLIP[2] * motion.turn])
     return motion.covariance + np.diag(np.square(slip) + np.square(REST))
-
-
-def _on_known_ground(mapper: Mapper) -> bool:
-    """Return whether the track has the robot near a place that it left long enough ago to see it again."""
-    nodes = mapper.recognition.nodes()[: mapper.left_behind]
-    if not len(nodes):
-        return False
-    here = mapper.track.pose
-    return float(np.hypot(mapper.map.poses[nodes, 0] - here.x, mapper.map.poses[nodes, 1] - here.y).min()) <= REACH
 
 
 def _rivals(hypotheses: tuple[Hypothesis, ...]) -> tuple[Hypothesis, ...]:
