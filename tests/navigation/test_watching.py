@@ -8,6 +8,7 @@ from typing import cast
 import numpy as np
 import pytest
 
+from topomap.core.arrays import IntArray
 from topomap.core.geometry import Pose2
 from topomap.core.panorama import Panorama
 from topomap.core.records import MapChange, Motion, Verdict
@@ -19,6 +20,7 @@ from topomap.navigation.localiser.mixture import Mixture
 LAP, BACK = 40, 8  # snapshots of a lap of a ring, and how many of the last ones can't be seen again yet
 ANGLES = 2 * np.pi * np.arange(LAP) / LAP
 RING = np.column_stack([12.0 * np.cos(ANGLES), 12.0 * np.sin(ANGLES), ANGLES])
+NOTHING = SimpleNamespace(pose=Pose2(), difference=0.1, broken="", decisions=[])
 CLOSED = SimpleNamespace(pose=Pose2(), difference=0.1, broken="", decisions=[SimpleNamespace(verdict=Verdict.ACCEPTED)])
 
 
@@ -31,16 +33,24 @@ class Snapshots:
     def __len__(self) -> int:
         return self._count
 
-    def nodes(self) -> np.ndarray:
+    def nodes(self) -> IntArray:
         return np.arange(self._count)
 
+    def old_nodes(self, travel: float) -> IntArray:
+        return np.arange(max(0, int(travel) + 1 - BACK))
 
-def around(step: int, beside: float = 0.0) -> Mapper:
-    """The mapper after so many steps on the ring, the last one `beside` it [m]."""
+
+def around(step: int, aside: slice = slice(0)) -> Mapper:
+    """The mapper after so many steps on the ring, those of `aside` far beside it."""
     poses = RING[np.arange(step + 1) % LAP]
-    poses[-1, 0] += beside
+    poses[aside, 1] += 40.0
     track = SimpleNamespace(pose=Pose2(*poses[-1].tolist()), motion=Motion(1.0, 0.0, 0.0, np.zeros((3, 3)), 0.25))
-    topo = SimpleNamespace(poses=poses, chain=list(range(step + 1)))
+    topo = SimpleNamespace(
+        poses=poses,
+        pose=lambda node: Pose2(*poses[node].tolist()),
+        chain=list(range(step + 1)),
+        nodes=[SimpleNamespace(travel=float(k)) for k in range(step + 1)],
+    )
     return cast(
         Mapper,
         SimpleNamespace(
@@ -71,11 +81,13 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     return looks
 
 
-def watched(steps: range, asked: list[int], one: Localiser, beside: float = 0.0) -> list[int]:
+def watched(
+    steps: range, asked: list[int], one: Localiser, change: SimpleNamespace = CLOSED, aside: slice = slice(0)
+) -> list[int]:
     """Return what the belief was asked to look at in these steps of a lesson."""
     before = len(asked)
     for step in steps:
-        one.update(cast(Panorama, None), around(step, beside), cast(MapChange, CLOSED), driven=True)
+        one.update(cast(Panorama, None), around(step, aside), cast(MapChange, change), driven=True)
     return asked[before:]
 
 
@@ -92,8 +104,17 @@ def test_a_second_lap_is_held_against_the_first_alone(asked: list[int]) -> None:
     assert max(looked) <= LAP
 
 
+def test_what_a_pass_stored_before_its_first_closure_belongs_to_it(asked: list[int]) -> None:
+    one = Localiser()
+    watched(range(LAP), asked, one)
+    watched(range(LAP, LAP + 15), asked, one, NOTHING, slice(LAP, None))  # the track has drifted off
+    looked = watched(range(LAP + 15, LAP + 25), asked, one)
+    assert len(looked) == 10
+    assert max(looked) <= LAP
+
+
 def test_what_a_pass_stored_is_known_once_it_has_left(asked: list[int]) -> None:
     one = Localiser()
-    watched(range(LAP + 10), asked, one)
-    watched(range(LAP + 10, LAP + 14), asked, one, beside=5.0)
-    assert max(watched(range(2 * LAP, 2 * LAP + 10), asked, one)) == LAP + 14
+    left = slice(LAP + 10, LAP + 14)
+    watched(range(LAP + 14), asked, one, CLOSED, left)
+    assert max(watched(range(2 * LAP, 2 * LAP + 10), asked, one, CLOSED, left)) == LAP + 14

@@ -31,7 +31,8 @@ SEARCHED, ASIDE = 160, 8
 BY_VIEW = np.diag(np.square([0.5, 0.5, math.radians(8.0)]))
 """Covariance of a pose by the likeness of its neighbours, seen five times a metre by errors that hang together."""
 ALIKE = 0.5
-"""Likeness up to which a view corrects a pose: 97 of 100 views at the place are below, in three worlds."""
+"""Likeness up to which a view corrects a pose: 97 of 100 views at the place are below, in three worlds. What is above
+tells no more than that it isn't like the place, or that something hides it: one look at 1.1 would outweigh a metre."""
 TELLING = 0.2
 """Likeness by which the nearer of two neighbours wins: their difference halfway to the next one."""
 LED = 0.2
@@ -142,7 +143,7 @@ class Belief:
         least = likeness.min(axis=1)
         self.likeness = float(least[np.argmax(self.mixture.weights)])
         told = np.flatnonzero(np.isfinite(least))
-        self.mixture = self.mixture.looked(told, np.square(least[told]))
+        self.mixture = self.mixture.looked(told, np.square(np.minimum(least[told], ALIKE)))
         alike = np.flatnonzero(least < ALIKE)
         rows = likeness[alike]
         share = np.exp(-0.5 * (np.square(rows) - np.square(rows.min(axis=1))[:, None]) / TELLING**2)

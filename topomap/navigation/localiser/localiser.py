@@ -106,6 +106,7 @@ class Localiser:
         given = start.pose or (mapper.map.pose(start.node) if start.node is not None else None)
         if given is None and driven and not any(d.verdict is Verdict.ACCEPTED for d in change.decisions):
             return None
+        self._earlier = min(self._first(mapper, driven), _pass_began(mapper))
         self._right = mapper.map.chain[-1]
         return Belief(Mixture.at((given or mapper.track.pose).array(), TRACKED, DOUBT), mapper.map)
 
@@ -118,12 +119,7 @@ class Localiser:
 
     def _on_known_ground(self, mapper: Mapper) -> bool:
         """Return whether the track has the robot near a place of an earlier pass, left long enough ago."""
-        nodes = mapper.recognition.nodes()[: self._first(mapper, driven=True)]
-        if not len(nodes):
-            return False
-        here = mapper.track.pose
-        away = np.hypot(mapper.map.poses[nodes, 0] - here.x, mapper.map.poses[nodes, 1] - here.y)
-        return float(away.min()) <= REACH
+        return _near_one(mapper.track.pose, mapper, mapper.recognition.nodes()[: self._first(mapper, driven=True)])
 
     def _believe(self, belief: Belief, panorama: Panorama, mapper: Mapper, first: int) -> Where:
         nodes = mapper.recognition.nodes()[:first]
@@ -168,6 +164,26 @@ def _noise(motion: Motion, doubted: bool) -> FloatArray:
     way = abs(motion.forward) + abs(motion.left)
     slip = np.array([SLIP[0] * way, SLIP[1] * way, SLIP[2] * motion.turn])
     return motion.covariance + np.diag(np.square(slip) + np.square(REST))
+
+
+def _pass_began(mapper: Mapper) -> int:
+    """Return how many snapshots were made before the pass over known ground that the track is on.
+
+    The track may have been off for a while before a closure set it right: so it is told by where the snapshots lie now.
+    """
+    nodes = mapper.recognition.nodes().tolist()
+    while nodes:
+        older = mapper.recognition.old_nodes(mapper.map.nodes[nodes[-1]].travel)
+        if not _near_one(mapper.map.pose(nodes[-1]), mapper, older):
+            break
+        nodes.pop()
+    return len(nodes)
+
+
+def _near_one(pose: Pose2, mapper: Mapper, nodes: IntArray) -> bool:
+    """Return whether a pose lies within reach of one of some nodes (n,)."""
+    away = np.hypot(mapper.map.poses[nodes, 0] - pose.x, mapper.map.poses[nodes, 1] - pose.y)
+    return bool(len(nodes)) and float(away.min()) <= REACH
 
 
 def _rivals(hypotheses: tuple[Hypothesis, ...]) -> tuple[Hypothesis, ...]:
