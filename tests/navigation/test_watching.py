@@ -1,4 +1,4 @@
-"""A taught robot on known ground: its belief holds the view against earlier passes, never against what it stored now."""
+"""A taught robot on known ground: its belief holds the view against earlier passes, not against what it stores now."""
 
 from __future__ import annotations
 

@@ -143,7 +143,7 @@ class Belief:
         least = likeness.min(axis=1)
         self.likeness = float(least[np.argmax(self.mixture.weights)])
         told = np.flatnonzero(np.isfinite(least))
-        self.mixture = self.mixture.looked(told, np.square(np.minimum(least[told], ALIKE)))
+        self.mixture = self.mixture.looked(told, np.square(least[told]), ALIKE**2)
         alike = np.flatnonzero(least < ALIKE)
         rows = likeness[alike]
         share = np.exp(-0.5 * (np.square(rows) - np.square(rows.min(axis=1))[:, None]) / TELLING**2)

@@ -90,10 +90,10 @@ class Mixture:
             seen=np.concatenate([self.seen, unseen(len(poses))]),
         )
 
-    def looked(self, which: IntArray, squares: FloatArray) -> Mixture:
-        """Return hypotheses `which` (k,) with a look more, of squared likeness `squares` (k,)."""
+    def looked(self, which: IntArray, squares: FloatArray, most: float = np.inf) -> Mixture:
+        """Return hypotheses `which` (k,) with a look more, of squared likeness `squares` (k,), summed up to `most`."""
         seen = self.seen.copy()
-        seen[which, 0] += squares
+        seen[which, 0] += np.minimum(squares, most)
         seen[which, 1] += 1.0
         seen[which, 2] = np.minimum(seen[which, 2], squares)
         return replace(self, seen=seen)
