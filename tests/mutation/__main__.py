@@ -30,6 +30,8 @@ TESTS = ("tests/mapping", "tests/navigation", "tests/log_files", "tests/recordin
          "tests/app/test_saved_maps.py", "tests/cli/test_closures_log.py", "tests/test_one_engine.py",
          "tests/test_constants.py")  # fmt: skip
 """The tests that answer for these folders."""
+OWN = {"topomap/vision": ("tests/vision", "tests/test_constants.py")}
+"""The tests that answer for another folder."""
 EQUIVALENT = Path(__file__).with_name("equivalent.toml")
 """Mutants that no test can notice, each with the reason."""
 BUDGET_S = 10.0
@@ -49,6 +51,7 @@ def main() -> int:
     parser.add_argument("--named", action="store_true", help="only those of named.toml, by the tests named there")
     asked = parser.parse_args()
     out = asked.out.absolute()
+    tests = tuple(dict.fromkeys(test for folder in asked.folders for test in OWN.get(folder, TESTS)))
     figures = {}
     with tempfile.TemporaryDirectory() as folder:
         copied = Path(folder).resolve() / "copy"
@@ -58,9 +61,9 @@ def main() -> int:
         if asked.named:
             return _named(copied)
         if not known.exists():
-            forked(lambda: cover.measure(copied, TESTS, known), HOUR_S)
+            forked(lambda: cover.measure(copied, tests, known), HOUR_S)
         found = cover.read(known)
-        load(copied, TESTS)
+        load(copied, tests)
         for one in asked.folders:
             figures[one] = _tried(one, chosen([one], asked.sample, asked.seed), copied, Reach(found))
             out.write_text(json.dumps(figures, indent=1) + "\n", encoding="utf8")

@@ -8,7 +8,7 @@ from functools import cache
 from mutation.cover import Cover
 from mutation.mutants import ROOT, Mutant
 
-PACKAGES = ("topomap/mapping", "topomap/navigation", "topomap/recording", "topomap/app", "logs")
+PACKAGES = ("topomap/mapping", "topomap/navigation", "topomap/recording", "topomap/app", "topomap/vision", "logs")
 """Where kernels and constants are used."""
 Place = tuple[str, range]
 CONSTANTS = "tests/test_constants.py"
