@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cv2
 import numpy as np
 import pytest
 
@@ -124,3 +125,25 @@ def test_a_pass_is_proposed_where_the_place_is_most_alike() -> None:
         proposal = recognition.proposal()
         found += [] if proposal is None else [(proposal.moment.stamp_ns, proposal.places[0].node)]
     assert found == [(100, 5)]
+
+
+def test_a_rival_was_left_about_as_long_ago_as_the_place_it_is_held_against() -> None:
+    """The second lap looks at its own last views, which lie as far beside the way, before the first lap's."""
+    first, beside = views(0.9, 40), views(0.9, 1, seed=1)[0]
+    recognition = Recognition(RecognitionSettings())
+    for k, view in enumerate([*first, beside, *views(0.9, 9, seed=2)]):
+        recognition.update(k, float(k), view, np.zeros(0, np.int64))
+        recognition.add(k, float(k), view)
+        recognition.proposal()
+    seen = Panorama(cv2.addWeighted(beside.image, 0.7, first[10].image, 0.3, 0.0), None, beside.rig)
+    proposals = []
+    for k, view in enumerate([seen, *views(0.9, 4, seed=3)]):
+        place = recognition.update(50 + k, 50.0 + k, view, np.arange(8, 13))
+        proposals += [recognition.proposal()]
+        if view is seen:
+            assert place is not None
+            assert place.node == 40, "what is the most alike is said as it is"
+    found = next(one for one in proposals if one is not None)
+    assert found.places[0].node == 10
+    assert max(rival.node for rival in found.rivals) <= 30
+    assert max(found.older) <= 30
