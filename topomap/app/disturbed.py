@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 
@@ -17,10 +17,7 @@ Kind = Literal[
     "none", "turned", "moved", "carried", "blind ranges", "zero ranges", "dead odometry", "noisy odometry",
     "very noisy odometry", "black", "frozen",
 ]  # fmt: skip
-KINDS: tuple[Kind, ...] = (
-    "none", "turned", "moved", "carried", "blind ranges", "zero ranges", "dead odometry", "noisy odometry",
-    "very noisy odometry", "black", "frozen",
-)  # fmt: skip
+KINDS: tuple[Kind, ...] = get_args(Kind)
 MOVED = 3.0
 """[m] Farthest that a start is moved."""
 CARRIED = (2.0, 6.0)

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
@@ -13,11 +15,11 @@ from sim2d import worlds
 from sim2d.errors import WorldError
 from sim2d.robot import SimRobot
 from sim2d.streams import stream
-from topomap.app.config import RunConfig
+from topomap.app.config import RunConfig, load_config
 from topomap.app.disturbed import Disturbance, Disturbed
 from topomap.app.warm_up import warm_up
 from topomap.app.wiring import build_navigator
-from topomap.bench.journeys import Journey, Watched
+from topomap.bench.journeys import Journey, Trip, Watched
 from topomap.core.arrays import FloatArray
 from topomap.core.errors import DataError
 from topomap.core.records import Phase, StepRecord
@@ -32,7 +34,10 @@ FROM = 0.25
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Taught:
-    """A taught map, the robot at the end of the lesson, the true pose (x, y, heading) at each stamp, the settings."""
+    """A taught map, the robot at the end of the lesson, the true pose (x, y, heading) at each stamp, the settings.
+
+    words: the settings that differ from the default ones.
+    """
 
     world: str
     seed: int
@@ -41,6 +46,7 @@ class Taught:
     mapper: Mapper
     truth: dict[int, tuple[float, float, float]]
     config: RunConfig
+    words: tuple[str, ...] = ()
 
     def end(self) -> tuple[float, float, float]:
         """Return where the lesson ended."""
@@ -55,8 +61,9 @@ class Taught:
         return np.array(kept)
 
 
-def teach(world: str, seed: int, looks: int, config: RunConfig) -> Taught:
-    """Drive the lesson of a world. Raises DataError for an unknown world."""
+def teach(world: str, seed: int, looks: int, words: Sequence[str] = ()) -> Taught:
+    """Drive the lesson of a world with some settings. Raises DataError for an unknown world, ConfigError."""
+    config = load_config(None, words)
     warm_up(config.stack)
     try:
         robot = SimRobot(worlds.load(world, looks), config.sim, seed)
@@ -77,7 +84,7 @@ def teach(world: str, seed: int, looks: int, config: RunConfig) -> Taught:
 
     lesson = Lesson()
     run(_Kept(robot), navigator, (lesson,), lambda: lesson.over)
-    return Taught(world, seed, looks, robot, navigator.mapper, truth, config)
+    return Taught(world, seed, looks, robot, navigator.mapper, truth, config, tuple(words))
 
 
 class _Kept:
@@ -91,30 +98,36 @@ class _Kept:
         self._robot.rest()
 
 
-def journeys(taught: Taught, goal: int, disturbances: list[Disturbance], steps: int = 6000) -> Iterator[Journey]:
-    """Travel to a node once for each disturbance, always with the map as it was after the lesson."""
-    for number, disturbance in enumerate(disturbances):
-        rng = stream(taught.seed, f"journey {number} {disturbance.kind}")
-        yield travel(taught, goal, disturbance, rng, steps)
+def journeys(taught: Taught, goal: int, disturbances: Sequence[Disturbance], steps: int = 6000) -> Iterator[Journey]:
+    """Travel to a node once for each disturbance, always with the map as it was after the lesson.
+
+    What a journey is like depends on its kind and on how many of that kind went before it, not on other kinds.
+    """
+    made = Counter[str]()
+    for disturbance in disturbances:
+        kind = disturbance.kind
+        trip = Trip(Path(taught.world).stem, taught.seed, taught.looks, taught.words, kind, made[kind], goal)
+        made[kind] += 1
+        yield travel(taught, trip, disturbance, steps)
 
 
-def travel(taught: Taught, goal: int, disturbance: Disturbance, rng: np.random.Generator, steps: int) -> Journey:
-    """Make one journey and judge it by the truth."""
-    config = taught.config.stack
+def travel(taught: Taught, trip: Trip, disturbance: Disturbance, steps: int) -> Journey:
+    """Make one journey of at most so many steps and judge it by the truth."""
+    config, goal = taught.config.stack, trip.goal
     mission = config.mission.model_copy(update={"goal_node": goal})
     navigator = build_navigator(config.model_copy(update={"mission": mission}))
     navigator.take(copy.deepcopy(taught.mapper))
     topo = navigator.mapper.map
+    if goal >= len(topo.nodes):
+        raise DataError(f"--goal {goal}: the map of {taught.world} has {len(topo.nodes)} nodes, from 0 on")
     taught.robot.put(*taught.end())
+    rng = stream(taught.seed, f"journey {trip.number} {trip.kind}")
     robot = Disturbed(taught.robot, disturbance, taught.places(), rng)
     watched = Watched(taught.robot.truth)
-    run(robot, navigator, (watched,), lambda: watched.steps >= steps)
+    planned = _length(topo.poses, planner.route(topo, topo.chain[-1], goal))
     target = taught.truth[topo.nodes[goal].stamp_ns]
-    planned = _length(topo.poses, planner.route(taught.mapper.map, taught.mapper.map.chain[-1], goal))
-    return watched.judged(
-        taught.world, disturbance.kind, goal, navigator.phase is Phase.ARRIVED,
-        target[:2], planned,
-    )  # fmt: skip
+    run(robot, navigator, (watched,), lambda: watched.steps >= steps)
+    return watched.judged(trip, navigator.phase is Phase.ARRIVED, navigator.over, target[:2], planned)
 
 
 def _length(poses: FloatArray, path: list[int]) -> float:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from enum import StrEnum
 
 from topomap.core.records import StepRecord
 from topomap.core.robot import Reading, Truth
@@ -15,18 +17,55 @@ STANDING = 0.01
 """[m] A step shorter than this is one of standing."""
 
 
-@dataclass(frozen=True, slots=True)
-class Journey:
-    """One journey: where, what went wrong, whether arrival was claimed, and by the truth how far off it ended [m].
+class Ending(StrEnum):
+    """How a journey ended."""
 
-    ratio: way driven over the planned one; speed [m/s]: mean over all steps; standing: share of steps; collisions:
-    contact episodes; seconds: run time; last: the traveller's last note.
-    """
+    HOME = "home"
+    FALSE = "false arrival"
+    LOST = "lost"
+    UNRECOGNISED = "goal not recognised"
+    BLOCKED = "blocked"
+    LATE = "too many steps"
+    SENSES = "no senses"
+    CUT_OFF = "cut off"
+    OTHER = "other"
+
+
+SAID = (
+    ("isn't recognised", Ending.UNRECOGNISED),
+    ("no way through", Ending.BLOCKED),
+    ("no route", Ending.BLOCKED),
+    ("lost", Ending.LOST),
+    ("no arrival after", Ending.LATE),
+    ("camera", Ending.SENSES),
+)
+"""Words of the last note by which a journey that was given up is classed, the first that fits."""
+
+
+@dataclass(frozen=True, slots=True)
+class Trip:
+    """What was asked: world, seed, textures, the run's settings, the disturbance and its number, the goal node."""
 
     world: str
+    seed: int
+    textures: int
+    settings: tuple[str, ...]
     kind: str
+    number: int
     goal: int
+
+
+@dataclass(frozen=True, slots=True)
+class Journey:
+    """One journey: what went wrong, whether arrival was claimed, and by the truth how far off it ended [m].
+
+    over: it arrived or gave up; ratio: way driven over the planned one; speed [m/s]: mean over all steps; standing:
+    share of steps; collisions: contact episodes; seconds: run time; last: the traveller's last note.
+    """
+
+    trip: Trip
     claimed: bool
+    over: bool
     error: float
     planned: float
     ratio: float
@@ -46,6 +85,15 @@ class Journey:
     def false(self) -> bool:
         """Whether it said so and didn't."""
         return self.claimed and self.error > REACHED_M
+
+    @property
+    def ending(self) -> Ending:
+        """How it ended."""
+        if self.claimed:
+            return Ending.HOME if self.home else Ending.FALSE
+        if not self.over:
+            return Ending.CUT_OFF
+        return next((ending for words, ending in SAID if words in self.last), Ending.OTHER)
 
 
 class Watched:
@@ -73,9 +121,7 @@ class Watched:
             if note:
                 self.notes.append(f"{self.steps} ({now.x:.1f} {now.y:.1f}): {note}")
 
-    def judged(
-        self, world: str, kind: str, goal: int, claimed: bool, target: tuple[float, float], planned: float
-    ) -> Journey:
+    def judged(self, trip: Trip, claimed: bool, over: bool, target: tuple[float, float], planned: float) -> Journey:
         """Return the journey's figures; target: the goal's true place [m], planned: the way to it on the map [m]."""
         ways = [math.dist(a, b) for a, b in zip(self._places, self._places[1:], strict=False)]
         # a jump is somebody carrying the robot
@@ -83,7 +129,7 @@ class Watched:
         seconds = (self._stamps[-1] - self._stamps[0]) * 1e-9
         hits = sum(now and not before for before, now in zip([False, *self._contact], self._contact, strict=False))
         return Journey(
-            world, kind, goal, claimed, math.dist(self._places[-1], target), planned,
+            trip, claimed, over, math.dist(self._places[-1], target), planned,
             sum(driven) / max(planned, 1e-9), sum(driven) / max(seconds, 1e-9),
             sum(way < STANDING for way in driven) / max(len(driven), 1), hits, seconds,
             self.notes[-1] if self.notes else "", tuple(self.notes),
@@ -115,4 +161,41 @@ def tally(made: Iterable[Journey]) -> Tally:
         len(all_), share_interval(len(good), len(all_)), sum(one.false for one in all_),
         sum(one.collisions for one in all_), mean([one.ratio for one in good]), mean([one.speed for one in good]),
         mean([one.standing for one in good]),
+    )  # fmt: skip
+
+
+HEADINGS = ("world", "disturbance", "journeys", "home", "95 %", "false", "collisions", "ratio", "m/s", "standing",
+            "not home")  # fmt: skip
+
+KEPT = ("world", "seed", "textures", "settings", "disturbance", "number", "goal", "ending", "off [m]", "planned [m]",
+        "ratio", "m/s", "standing", "collisions", "seconds", "last note")  # fmt: skip
+
+
+def kept_rows(made: Iterable[Journey]) -> list[tuple[str, ...]]:
+    """Return one row a journey under KEPT; the first seven cells tell journeys apart."""
+    return [
+        (one.trip.world, f"{one.trip.seed}", f"{one.trip.textures}", " ".join(one.trip.settings), one.trip.kind,
+         f"{one.trip.number}", f"{one.trip.goal}", one.ending, f"{one.error:.2f}", f"{one.planned:.1f}",
+         f"{one.ratio:.2f}", f"{one.speed:.2f}", f"{one.standing:.2f}", f"{one.collisions}", f"{one.seconds:.0f}",
+         one.last)
+        for one in made
+    ]  # fmt: skip
+
+
+def rows(made: Sequence[Journey]) -> list[tuple[str, ...]]:
+    """Return the table's rows under HEADINGS: one for each world and disturbance, and one for all."""
+    groups = dict.fromkeys((one.trip.world, one.trip.kind) for one in made)
+    each = [
+        _row(*group, [one for one in made if (one.trip.world, one.trip.kind) == group]) for group in groups
+    ]  # fmt: skip
+    return [*each, _row("all", "", list(made))]
+
+
+def _row(world: str, kind: str, made: list[Journey]) -> tuple[str, ...]:
+    t = tally(made)
+    ends = Counter(one.ending for one in made if not one.home)
+    return (
+        world, kind, f"{t.journeys}", f"{t.home.value:.2f}", f"{t.home.low:.2f}-{t.home.high:.2f}", f"{t.false}",
+        f"{t.collisions}", f"{t.ratio:.2f}", f"{t.speed:.2f}", f"{t.standing:.2f}",
+        ", ".join(f"{count} {ending}" for ending, count in ends.most_common()),
     )  # fmt: skip
