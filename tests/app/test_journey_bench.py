@@ -47,7 +47,8 @@ def told(**values: object) -> Journey:
     """A journey that went well, with other values."""
     plain = {
         "trip": Trip("den", 0, 0, (), "none", 0, 0), "claimed": True, "over": True, "error": 0.1,
-        "planned": 2.0, "ratio": 1.1, "speed": 0.3, "standing": 0.1, "collisions": 1, "seconds": 9.0, "last": "goal reached",
+        "planned": 2.0, "ratio": 1.1, "speed": 0.3, "standing": 0.1, "collisions": 1, "seconds": 9.0,
+        "last": "goal reached",
     }  # fmt: skip
     return Journey(**{**plain, **values})
 
