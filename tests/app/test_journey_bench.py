@@ -47,7 +47,7 @@ def told(**values: object) -> Journey:
     """A journey that went well, with other values."""
     plain = {
         "trip": Trip("den", 0, 0, (), "none", 0, 0), "claimed": True, "over": True, "error": 0.1,
-        "planned": 2.0, "ratio": 1.1, "speed": 0.3, "standing": 0.1, "collisions": 1, "seconds": 9.0,
+        "planned": 2.0, "ratio": 1.1, "speed": 0.3, "standing": 0.1, "collisions": 1, "misled": 0, "seconds": 9.0,
         "last": "goal reached",
     }  # fmt: skip
     return Journey(**{**plain, **values})
@@ -71,9 +71,11 @@ def test_way_speed_standing_and_collisions_are_the_truths() -> None:
         x, y = next(places)
         return SimpleNamespace(x=x, y=y, contact=next(touches))
 
-    watched = Watched(truth)
+    wrong = iter([False, True, True, True, False, False])
+    watched = Watched(truth, lambda where: next(wrong))
     for k in range(6):
-        record = SimpleNamespace(travel=SimpleNamespace(note=f"n{k}"), where=SimpleNamespace(event=""))
+        where = SimpleNamespace(event="", lost=0.2 if k % 3 == 2 else 0.0)
+        record = SimpleNamespace(travel=SimpleNamespace(note=f"n{k}"), where=where)
         watched.observe(SimpleNamespace(stamp_ns=k * 250_000_000), record)
     judged = watched.judged(Trip("den", 0, 0, (), "carried", 0, 0), True, True, (3.3, 0.4), 0.6)
     assert judged.error == pytest.approx(0.4)
@@ -81,6 +83,7 @@ def test_way_speed_standing_and_collisions_are_the_truths() -> None:
     assert judged.speed == pytest.approx(0.3 / 1.25)
     assert judged.standing == pytest.approx(0.25)
     assert judged.collisions == 2
+    assert judged.misled == 2  # the third of the wrong ones said that it wasn't sure
     assert judged.last.endswith("n5")
 
 

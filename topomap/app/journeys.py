@@ -19,11 +19,14 @@ from topomap.app.config import RunConfig, load_config
 from topomap.app.disturbed import Disturbance, Disturbed
 from topomap.app.warm_up import warm_up
 from topomap.app.wiring import build_navigator
+from topomap.bench.belief import is_wrong
 from topomap.bench.journeys import Journey, Trip, Watched
 from topomap.core.arrays import FloatArray
 from topomap.core.errors import DataError
-from topomap.core.records import Phase, StepRecord
+from topomap.core.geometry import Pose2
+from topomap.core.records import Phase, StepRecord, Where
 from topomap.core.robot import Reading
+from topomap.mapping.graph import TopoMap
 from topomap.mapping.mapper import Mapper
 from topomap.navigation import planner
 from topomap.navigation.runner import run
@@ -123,11 +126,18 @@ def travel(taught: Taught, trip: Trip, disturbance: Disturbance, steps: int) -> 
     taught.robot.put(*taught.end())
     rng = stream(taught.seed, f"journey {trip.number} {trip.kind}")
     robot = Disturbed(taught.robot, disturbance, taught.places(), rng)
-    watched = Watched(taught.robot.truth)
+    watched = Watched(taught.robot.truth, lambda where: _is_wrong(where, taught, topo))
     planned = _length(topo.poses, planner.route(topo, topo.chain[-1], goal))
     target = taught.truth[topo.nodes[goal].stamp_ns]
     run(robot, navigator, (watched,), lambda: watched.steps >= steps)
     return watched.judged(trip, navigator.phase is Phase.ARRIVED, navigator.over, target[:2], planned)
+
+
+def _is_wrong(where: Where, taught: Taught, topo: TopoMap) -> bool:
+    now = taught.robot.truth()
+    node = None if where.node is None else topo.pose(where.node)
+    true = None if where.node is None else Pose2(*taught.truth[topo.nodes[where.node].stamp_ns])
+    return is_wrong(where, Pose2(now.x, now.y, now.heading), true, node)
 
 
 def _length(poses: FloatArray, path: list[int]) -> float:

@@ -8,13 +8,15 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
-from topomap.core.records import StepRecord
+from topomap.core.records import StepRecord, Where
 from topomap.core.robot import Reading, Truth
 from topomap.evaluation.journey import REACHED_M
 from topomap.evaluation.statistics import Interval, share_interval
 
 STANDING = 0.01
 """[m] A step shorter than this is one of standing."""
+SURE = 0.1
+"""Probability of being lost below which a belief is sure: an arrival may then be claimed."""
 
 
 class Ending(StrEnum):
@@ -60,7 +62,8 @@ class Journey:
     """One journey: what went wrong, whether arrival was claimed, and by the truth how far off it ended [m].
 
     over: it arrived or gave up; ratio: way driven over the planned one; speed [m/s]: mean over all steps; standing:
-    share of steps; collisions: contact episodes; seconds: run time; last: the traveller's last note.
+    share of steps; collisions: contact episodes; misled: steps with a belief that was sure and wrong; seconds: run
+    time; last: the traveller's last note.
     """
 
     trip: Trip
@@ -72,6 +75,7 @@ class Journey:
     speed: float
     standing: float
     collisions: int
+    misled: int
     seconds: float
     last: str
     notes: tuple[str, ...] = ()
@@ -97,13 +101,14 @@ class Journey:
 
 
 class Watched:
-    """An observer that keeps what a journey is judged by."""
+    """An observer that keeps what a journey is judged by; wrong: says whether the belief of this moment is."""
 
-    def __init__(self, truth: Callable[[], Truth]) -> None:
-        self._truth = truth
+    def __init__(self, truth: Callable[[], Truth], wrong: Callable[[Where], bool]) -> None:
+        self._truth, self._wrong = truth, wrong
         self._places: list[tuple[float, float]] = []
         self._contact: list[bool] = []
         self._stamps: list[int] = []
+        self._misled = 0
         self.notes: list[str] = []
 
     @property
@@ -113,13 +118,14 @@ class Watched:
 
     def observe(self, reading: Reading, record: StepRecord) -> None:
         """Take one step."""
-        now = self._truth()
+        now, wrong = self._truth(), self._wrong(record.where)
         self._places.append((now.x, now.y))
         self._contact.append(now.contact)
         self._stamps.append(reading.stamp_ns)
+        self._misled += wrong and record.where.lost < SURE
         for note in (record.travel.note, record.where.event):
             if note:
-                self.notes.append(f"{self.steps} ({now.x:.1f} {now.y:.1f}): {note}")
+                self.notes.append(f"{self.steps} ({now.x:.1f} {now.y:.1f}{', believed elsewhere' * wrong}): {note}")
 
     def judged(self, trip: Trip, claimed: bool, over: bool, target: tuple[float, float], planned: float) -> Journey:
         """Return the journey's figures; target: the goal's true place [m], planned: the way to it on the map [m]."""
@@ -131,7 +137,7 @@ class Watched:
         return Journey(
             trip, claimed, over, math.dist(self._places[-1], target), planned,
             sum(driven) / max(planned, 1e-9), sum(driven) / max(seconds, 1e-9),
-            sum(way < STANDING for way in driven) / max(len(driven), 1), hits, seconds,
+            sum(way < STANDING for way in driven) / max(len(driven), 1), hits, self._misled, seconds,
             self.notes[-1] if self.notes else "", tuple(self.notes),
         )  # fmt: skip
 
@@ -164,11 +170,11 @@ def tally(made: Iterable[Journey]) -> Tally:
     )  # fmt: skip
 
 
-HEADINGS = ("world", "disturbance", "journeys", "home", "95 %", "false", "collisions", "ratio", "m/s", "standing",
-            "not home")  # fmt: skip
+HEADINGS = ("world", "disturbance", "journeys", "home", "95 %", "false", "misled", "collisions", "ratio", "m/s",
+            "standing", "not home")  # fmt: skip
 
 KEPT = ("world", "seed", "textures", "settings", "disturbance", "number", "goal", "ending", "off [m]", "planned [m]",
-        "ratio", "m/s", "standing", "collisions", "seconds", "last note")  # fmt: skip
+        "ratio", "m/s", "standing", "collisions", "misled", "seconds", "last note")  # fmt: skip
 
 
 def kept_rows(made: Iterable[Journey]) -> list[tuple[str, ...]]:
@@ -176,8 +182,8 @@ def kept_rows(made: Iterable[Journey]) -> list[tuple[str, ...]]:
     return [
         (one.trip.world, f"{one.trip.seed}", f"{one.trip.textures}", " ".join(one.trip.settings), one.trip.kind,
          f"{one.trip.number}", f"{one.trip.goal}", one.ending, f"{one.error:.2f}", f"{one.planned:.1f}",
-         f"{one.ratio:.2f}", f"{one.speed:.2f}", f"{one.standing:.2f}", f"{one.collisions}", f"{one.seconds:.0f}",
-         one.last)
+         f"{one.ratio:.2f}", f"{one.speed:.2f}", f"{one.standing:.2f}", f"{one.collisions}", f"{one.misled}",
+         f"{one.seconds:.0f}", one.last)
         for one in made
     ]  # fmt: skip
 
@@ -196,6 +202,6 @@ def _row(world: str, kind: str, made: list[Journey]) -> tuple[str, ...]:
     ends = Counter(one.ending for one in made if not one.home)
     return (
         world, kind, f"{t.journeys}", f"{t.home.value:.2f}", f"{t.home.low:.2f}-{t.home.high:.2f}", f"{t.false}",
-        f"{t.collisions}", f"{t.ratio:.2f}", f"{t.speed:.2f}", f"{t.standing:.2f}",
-        ", ".join(f"{count} {ending}" for ending, count in ends.most_common()),
+        f"{sum(one.misled > 0 for one in made)}", f"{t.collisions}", f"{t.ratio:.2f}", f"{t.speed:.2f}",
+        f"{t.standing:.2f}", ", ".join(f"{count} {ending}" for ending, count in ends.most_common()),
     )  # fmt: skip
