@@ -25,7 +25,7 @@ from topomap.core.arrays import FloatArray
 from topomap.core.errors import DataError
 from topomap.core.geometry import Pose2
 from topomap.core.records import Phase, StepRecord, Where
-from topomap.core.robot import Reading
+from topomap.core.robot import Reading, Truth
 from topomap.mapping.graph import TopoMap
 from topomap.mapping.mapper import Mapper
 from topomap.navigation import planner
@@ -123,18 +123,19 @@ def travel(taught: Taught, trip: Trip, disturbance: Disturbance, steps: int) -> 
     topo = navigator.mapper.map
     if goal >= len(topo.nodes):
         raise DataError(f"--goal {goal}: the map of {taught.world} has {len(topo.nodes)} nodes, from 0 on")
-    taught.robot.put(*taught.end())
+    # a copy, so that what a journey is like doesn't depend on those before it; the world doesn't change under way
+    mine = copy.deepcopy(taught.robot, {id(taught.robot.world): taught.robot.world})
+    mine.put(*taught.end())
     rng = stream(taught.seed, f"journey {trip.number} {trip.kind}")
-    robot = Disturbed(taught.robot, disturbance, taught.places(), rng)
-    watched = Watched(taught.robot.truth, lambda where: _is_wrong(where, taught, topo))
+    robot = Disturbed(mine, disturbance, taught.places(), rng)
+    watched = Watched(mine.truth, lambda where: _is_wrong(where, mine.truth(), taught, topo))
     planned = _length(topo.poses, planner.route(topo, topo.chain[-1], goal))
     target = taught.truth[topo.nodes[goal].stamp_ns]
     run(robot, navigator, (watched,), lambda: watched.steps >= steps)
     return watched.judged(trip, navigator.phase is Phase.ARRIVED, navigator.over, target[:2], planned)
 
 
-def _is_wrong(where: Where, taught: Taught, topo: TopoMap) -> bool:
-    now = taught.robot.truth()
+def _is_wrong(where: Where, now: Truth, taught: Taught, topo: TopoMap) -> bool:
     node = None if where.node is None else topo.pose(where.node)
     true = None if where.node is None else Pose2(*taught.truth[topo.nodes[where.node].stamp_ns])
     return is_wrong(where, Pose2(now.x, now.y, now.heading), true, node)
