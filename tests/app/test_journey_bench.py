@@ -11,9 +11,10 @@ from typing import get_type_hints
 import numpy as np
 import pytest
 
+from sim2d.streams import stream
 from topomap.app.disturbed import Disturbance
 from topomap.app.journey_bench import LessonTask, plan, write
-from topomap.app.journeys import Taught, journeys, teach
+from topomap.app.journeys import FAR, Taught, _drawn_goal, journeys, teach
 from topomap.bench.journeys import KEPT, Ending, Journey, Trip, Watched, kept_rows, rows, tally
 from topomap.bench.kept import from_plain, to_plain
 from topomap.core.errors import DataError
@@ -114,14 +115,16 @@ def test_every_journey_is_a_row_told_apart_by_its_first_cells() -> None:
 
 def test_words_of_a_command_line(tmp_path: Path) -> None:
     den = str(HELPERS / "den.toml")
-    asked = plan(f"{den}, hall", [0, 1, 2], [0, 4], "turned,none", 3, 0, [])
+    asked = plan(f"{den}, hall", [0, 1, 2], [0, 4], "turned,none", 3, "any", [])
     assert asked[0].kinds == ("none", "turned")
     assert (len(asked), asked[0].travels) == (2 * 3 * 2, 2 * 3)
     assert len({task.key for task in asked}) == len(asked)
     with pytest.raises(DataError, match="--kinds upside down: there are all, none, turned, moved"):
-        plan("hall", [0], [0], "upside down", 1, 0, [])
+        plan("hall", [0], [0], "upside down", 1, "0", [])
     with pytest.raises(DataError, match="--worlds: name one"):
-        plan("", [0], [0], "all", 1, 0, [])
+        plan("", [0], [0], "all", 1, "0", [])
+    with pytest.raises(DataError, match="--goal -1: expected the number of a node, or any"):
+        plan("hall", [0], [0], "none", 1, "-1", [])
     path = write([told()], tmp_path / "out")
     assert json.loads(path.read_text())[0]["error"] == 0.1
 
@@ -129,6 +132,14 @@ def test_words_of_a_command_line(tmp_path: Path) -> None:
 def test_results_come_back_from_the_store_as_they_were() -> None:
     made = (told(), told(claimed=False, notes=("1 (0.0 0.0): lost",)))
     assert from_plain(get_type_hints(LessonTask.perform)["return"], json.loads(json.dumps(to_plain(made)))) == made
+
+
+def test_goals_that_are_drawn_are_views_far_off_and_the_same_each_time(taught: Taught) -> None:
+    found = [_drawn_goal(taught, stream(0, f"goal {k} none")) for k in (0, 1, 2, 3, 0)]
+    assert found[0] == found[4]
+    topo = taught.mapper.map
+    assert all(node == 0 or topo.length(node, topo.chain[-1]) >= FAR for node in found)
+    assert all(topo.nodes[node].snapshot is not None for node in found)
 
 
 def test_a_goal_that_the_map_hasnt_is_one_line(taught: Taught) -> None:

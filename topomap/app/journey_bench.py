@@ -24,14 +24,17 @@ from topomap.evaluation.summary import plain, write_whole
 
 @dataclass(frozen=True, slots=True)
 class LessonTask:
-    """One lesson with all its journeys, `count` of each kind: a pool Task whose result is what became of them."""
+    """One lesson with all its journeys, `count` of each kind: a pool Task whose result is what became of them.
+
+    goal: None draws one for each journey.
+    """
 
     world: str
     seed: int
     textures: int
     kinds: tuple[Kind, ...]
     count: int
-    goal: int
+    goal: int | None
     words: tuple[str, ...]
 
     @property
@@ -53,9 +56,14 @@ class LessonTask:
 
 
 def plan(
-    worlds: str, seeds: Sequence[int], textures: Sequence[int], kinds: str, count: int, goal: int, words: Sequence[str]
+    worlds: str, seeds: Sequence[int], textures: Sequence[int], kinds: str, count: int, goal: str, words: Sequence[str]
 ) -> list[LessonTask]:
-    """Return the lessons of a command line's words, each world checked first. Raises DataError, ConfigError."""
+    """Return the lessons of a command line's words, each world checked first; goal: a node's number, or "any".
+
+    Raises DataError, ConfigError.
+    """
+    if not goal.isdecimal() and goal != "any":
+        raise DataError(f"--goal {goal}: expected the number of a node, or any")
     asked = list(KINDS) if kinds == "all" else [word.strip() for word in kinds.split(",")]
     unknown = [word for word in asked if word not in KINDS]
     if unknown:
@@ -67,7 +75,7 @@ def plan(
         open_world(name, 0, load_config(None, words))
     chosen = tuple(kind for kind in KINDS if kind in asked)
     every = itertools.product(names, seeds, textures)
-    return [LessonTask(*one, chosen, count, goal, tuple(words)) for one in every]
+    return [LessonTask(*one, chosen, count, None if goal == "any" else int(goal), tuple(words)) for one in every]
 
 
 def run_journeys(

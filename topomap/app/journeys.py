@@ -34,6 +34,9 @@ from topomap.navigation.runner import run
 FROM = 0.25
 """[m] Truth kept of the lesson: one pose each so many metres, where a journey may start."""
 
+FAR = 5.0
+"""[m] Way from the lesson's end to a goal that is drawn, at least."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Taught:
@@ -101,17 +104,29 @@ class _Kept:
         self._robot.rest()
 
 
-def journeys(taught: Taught, goal: int, disturbances: Sequence[Disturbance], steps: int = 6000) -> Iterator[Journey]:
+def journeys(
+    taught: Taught, goal: int | None, disturbances: Sequence[Disturbance], steps: int = 6000
+) -> Iterator[Journey]:
     """Travel to a node once for each disturbance, always with the map as it was after the lesson.
 
-    What a journey is like depends on its kind and on how many of that kind went before it, not on other kinds.
+    goal: None draws one for each journey. What a journey is like depends on its kind and on how many of that kind went
+    before it, not on other kinds: where neither start nor goal is drawn, those of a kind are much the same.
     """
     made = Counter[str]()
     for disturbance in disturbances:
-        kind = disturbance.kind
-        trip = Trip(Path(taught.world).stem, taught.seed, taught.looks, taught.words, kind, made[kind], goal)
+        kind, number = disturbance.kind, made[disturbance.kind]
         made[kind] += 1
+        to = _drawn_goal(taught, stream(taught.seed, f"goal {number} {kind}")) if goal is None else goal
+        trip = Trip(Path(taught.world).stem, taught.seed, taught.looks, taught.words, kind, number, to)
         yield travel(taught, trip, disturbance, steps)
+
+
+def _drawn_goal(taught: Taught, rng: np.random.Generator) -> int:
+    """Return a snapshot that isn't near the lesson's end by the map, or the first node where none is far enough."""
+    topo = taught.mapper.map
+    away = [topo.length(node, topo.chain[-1]) for node in range(len(topo.nodes))]
+    views = [k for k, node in enumerate(topo.nodes) if node.snapshot is not None and away[k] >= FAR]
+    return views[int(rng.integers(len(views)))] if views else 0
 
 
 def travel(taught: Taught, trip: Trip, disturbance: Disturbance, steps: int) -> Journey:

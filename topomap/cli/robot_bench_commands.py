@@ -109,7 +109,7 @@ def journeys(
     textures: str = typer.Option("0", help="Seeds of the worlds' looks, e.g. 0-2."),
     kinds: str = typer.Option("none", help="'all' or what goes wrong, comma-separated, e.g. none,turned,carried."),
     count: int = typer.Option(1, min=1, help="Journeys of each kind from every lesson."),
-    goal: int = typer.Option(0, min=0, help="Node to travel to from the lesson's end."),
+    goal: str = typer.Option("0", help="Node to travel to from the lesson's end; any: another one each time."),
     settings: list[str] = typer.Option([], "--set", metavar="KEY=VALUE", help="Setting; may repeat."),
     jobs: int | None = typer.Option(None, min=1, help="Processes [all cores]."),
     fresh: bool = typer.Option(False, "--fresh", help="Measure anew what is known already."),
