@@ -76,7 +76,7 @@ def test_way_speed_standing_and_collisions_are_the_truths() -> None:
     watched = Watched(truth, lambda where: next(wrong))
     for k in range(6):
         where = SimpleNamespace(event="", lost=0.2 if k % 3 == 2 else 0.0)
-        record = SimpleNamespace(travel=SimpleNamespace(note=f"n{k}"), where=where)
+        record = SimpleNamespace(travel=SimpleNamespace(note=f"n{k}"), where=where, change=SimpleNamespace(mended=""))
         watched.observe(SimpleNamespace(stamp_ns=k * 250_000_000), record)
     judged = watched.judged(Trip("den", 0, 0, (), "carried", 0, 0), True, True, (3.3, 0.4), 0.6)
     assert judged.error == pytest.approx(0.4)

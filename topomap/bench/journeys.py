@@ -123,7 +123,7 @@ class Watched:
         self._contact.append(now.contact)
         self._stamps.append(reading.stamp_ns)
         self._misled += wrong and record.where.lost < SURE
-        for note in (record.travel.note, record.where.event):
+        for note in dict.fromkeys((record.travel.note, record.change.mended, record.where.event)):
             if note:
                 self.notes.append(f"{self.steps} ({now.x:.1f} {now.y:.1f}{', believed elsewhere' * wrong}): {note}")
 
