@@ -142,12 +142,12 @@ def travel(taught: Taught, trip: Trip, disturbance: Disturbance, steps: int) -> 
     mine = copy.deepcopy(taught.robot, {id(taught.robot.world): taught.robot.world})
     mine.put(*taught.end())
     rng = stream(taught.seed, f"journey {trip.number} {trip.kind}")
-    robot = Disturbed(mine, disturbance, taught.places(), rng)
     watched = Watched(mine.truth, lambda where: _is_wrong(where, mine.truth(), taught, topo))
     planned = _length(topo.poses, planner.route(topo, topo.chain[-1], goal))
-    target = taught.truth[topo.nodes[goal].stamp_ns]
+    target = taught.truth[topo.nodes[goal].stamp_ns][:2]
+    robot = Disturbed(mine, disturbance, taught.places(), target, rng)
     run(robot, navigator, (watched,), lambda: watched.steps >= steps)
-    return watched.judged(trip, navigator.phase is Phase.ARRIVED, navigator.over, target[:2], planned)
+    return watched.judged(trip, navigator.phase is Phase.ARRIVED, navigator.over, target, planned)
 
 
 def _is_wrong(where: Where, now: Truth, taught: Taught, topo: TopoMap) -> bool:
