@@ -14,8 +14,8 @@ from topomap.core.arrays import FloatArray
 from topomap.core.records import Command
 
 Kind = Literal[
-    "none", "turned", "moved", "carried", "carried late", "blind ranges", "zero ranges", "dead odometry", "noisy odometry",
-    "very noisy odometry", "black", "frozen",
+    "none", "turned", "moved", "carried", "carried late", "blind ranges", "zero ranges", "dead odometry",
+    "noisy odometry", "very noisy odometry", "black", "frozen",
 ]  # fmt: skip
 KINDS: tuple[Kind, ...] = get_args(Kind)
 MOVED = 3.0
