@@ -27,7 +27,7 @@ MORE, BEYOND = 1.5, 0.02
 take time and are blocked, and in a replay the commands aren't those that were driven by."""
 WINDOW, BAD = 8, 3
 """Steps looked back on; so many untrue ones of them, and the odometer isn't believed: one is a person or a slip."""
-BESIDE = 0.4
+TURN_BEYOND = 0.4
 """[rad] How far beyond what wheels were told a turn is looked for in two views: twice the fastest turn of a step. In
 `office-loop` a corridor's view turned round was once the one more alike, and the way home ended at another door."""
 WELL = 40
@@ -147,7 +147,7 @@ def _turned(now: Panorama, before: Panorama, told: float) -> tuple[float, float]
     told [rad]: what they were told, of which blocked ones make none. Whoever is turned by somebody else isn't judged
     here: the map notices it.
     """
-    return rotation_within(signature(now), signature(before), told / 2, abs(told) / 2 + BESIDE)
+    return rotation_within(signature(now), signature(before), told / 2, abs(told) / 2 + TURN_BEYOND)
 
 
 def _untrue(bad: deque[bool], already: bool) -> bool:
