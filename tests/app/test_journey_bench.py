@@ -15,7 +15,8 @@ from sim2d.streams import stream
 from topomap.app.disturbed import Disturbance
 from topomap.app.journey_bench import LessonTask, plan, write
 from topomap.app.journeys import FAR, Taught, _drawn_goal, journeys, teach
-from topomap.bench.journeys import KEPT, Ending, Journey, Trip, Watched, kept_rows, rows, tally
+from topomap.bench.journey_table import KEPT, kept_rows, rows
+from topomap.bench.journeys import Ending, Journey, Trip, Watched, tally
 from topomap.bench.kept import from_plain, to_plain
 from topomap.core.errors import DataError
 

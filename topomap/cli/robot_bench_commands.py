@@ -119,7 +119,7 @@ def journeys(
     """Teach each world once and travel many times: homecomings, false arrivals, collisions, ways and speeds."""
     from topomap.app import journey_bench as bench
     from topomap.app.words import cores, parse_seeds
-    from topomap.bench.journeys import HEADINGS, KEPT, kept_rows, rows
+    from topomap.bench.journey_table import HEADINGS, KEPT, kept_rows, rows
     from topomap.bench.pool import Store, default_folder
     from topomap.experiments.results import add_results
 
