@@ -14,7 +14,7 @@ from topomap.evaluation.statistics import Interval, share_interval
 
 STANDING = 0.01
 """[m] A step shorter than this is one of standing."""
-SURE = 0.1
+SURE = 0.05
 """Probability of being lost below which a belief is sure: an arrival may then be claimed."""
 
 
