@@ -269,6 +269,6 @@ def test_a_belief_that_is_likelier_right_than_wrong_is_not_turned_round_by_a_vie
     monkeypatch.setattr(sight, "aligned_difference", alike)
     monkeypatch.setattr(sight.Sight, "_elsewhere", lambda self, panorama, rotation: wrap(rotation + math.pi))
     robot = Roamer(pose=Pose2(0.05, 0.0, 0.0), lost=lost, homing=AlignedHoming(BothWays(), Knowing()))
-    robot.travel(6, 40)
+    robot.travel(6, 25)
     assert robot.pose.x > 1.5
     assert max(abs(command.turn) for command in robot.commands) < 0.5
