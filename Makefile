@@ -32,6 +32,7 @@ mutate: $(VENV)/.test ## a sample of small mistakes, each to be noticed by a tes
 	$(BIN)/python -m tests.mutation --sample $(SAMPLE)
 
 KEEP := --keep docs/results
+DISTURBED := "turned,moved,carried,carried late,blind ranges,dead odometry,very noisy odometry"
 ROOMS := a1original,screen,arboreal,hall1,ourlab,cylinders
 
 results: $(VENV)/.test ## the figures of docs/results, docs/THESIS.md and docs/ROBUST.md anew: hours; GRIDS=folders of panoramas
@@ -46,6 +47,11 @@ results: $(VENV)/.test ## the figures of docs/results, docs/THESIS.md and docs/R
 	$(BIN)/topomap bench mission
 	$(BIN)/topomap bench breaks $(KEEP)/breaks.csv
 	$(BIN)/topomap bench faults $(KEEP)/faults.csv
+	$(BIN)/topomap bench journeys --worlds room-corridor,hall --seeds 20-22 --kinds $(DISTURBED) --count 2 --goal any \
+		$(KEEP)/journeys.csv
+	$(BIN)/topomap bench journeys --worlds office-loop --seeds 20-24 --kinds $(DISTURBED) $(KEEP)/journeys.csv
+	$(BIN)/topomap bench journeys --worlds office-loop --seeds 20-24 --kinds $(DISTURBED) \
+		--set stack.mapper.snapshots.view=90x12x4 $(KEEP)/journeys.csv
 	$(BIN)/python -m tests.fuzz $(KEEP)/fuzz.csv
 	$(BIN)/python -m tests.mutation --named
 	$(BIN)/python -m tests.mutation --sample 150 --out docs/results/mutation.json

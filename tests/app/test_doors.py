@@ -9,7 +9,6 @@ from pathlib import Path
 import pytest
 
 from sim2d.shapes import rectangle
-from topomap.app.config import load_config
 from topomap.app.disturbed import Disturbance
 from topomap.app.journeys import Taught, journeys, teach
 from topomap.bench.journeys import Journey
@@ -20,7 +19,7 @@ SHORT_WAY = 7.7  # metres from the lesson's end to its start, by the door; 18 th
 
 @pytest.fixture(scope="module")
 def lesson() -> Taught:
-    return teach(str(RING), 0, 0, load_config())
+    return teach(str(RING), 0, 0)
 
 
 @pytest.fixture

@@ -7,6 +7,7 @@ from dataclasses import replace
 from topomap.core.geometry import Pose2
 from topomap.core.records import Hypothesis, PlaceMatch, Where
 from topomap.navigation.arrival import Arrival, Claim, doubt
+from topomap.navigation.localiser.localiser import UNPROVEN
 
 
 def steps_to_arrive(curve: list[float]) -> int | None:
@@ -70,11 +71,15 @@ def test_where_another_place_looks_more_alike_it_is_none() -> None:
 
 
 def test_each_doubt_begins_at_its_bound() -> None:
-    assert claimed(replace(HERE, lost=0.1)) != "" == claimed(replace(HERE, lost=0.0999))
+    assert claimed(replace(HERE, lost=0.05)) != "" == claimed(replace(HERE, lost=0.0499))
     assert claimed(replace(HERE, pose=Pose2(5.6, 2.0, 1.3))) == ""
-    for weight, says in ((0.1, True), (0.0999, False)):
+    for weight, says in ((0.05, True), (0.0499, False)):
         away = (Hypothesis(7, Pose2(8.0, 2.0, 1.3), weight), Hypothesis(8, Pose2(6.0, 2.0, 1.3), 0.5))
         assert bool(claimed(replace(HERE, rivals=away))) == says
     assert claimed(HERE, rotation=0.79) == "" != claimed(HERE, rotation=0.81)
     assert claimed(HERE, other=PlaceMatch(12, 0.1, 0.0), other_away=1.0) == ""
     assert claimed(HERE, other=PlaceMatch(12, 0.1, 0.0), other_away=1.001) != ""
+
+
+def test_a_belief_that_is_not_proven_yet_claims_nothing() -> None:
+    assert "lost with a probability of 0.06" in claimed(replace(HERE, lost=UNPROVEN))

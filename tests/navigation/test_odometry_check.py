@@ -53,6 +53,23 @@ def test_a_dead_one_is_noticed_at_its_first_step_and_replaced() -> None:
     assert out[30].encoded == READINGS[30].encoded
 
 
+def alike_both_ways(reading: SimReading) -> list[SimReading]:
+    """Views in a corridor that look a little more alike turned round than as the robot stands."""
+    half = reading.image[:, : reading.image.shape[1] // 2].astype(np.int16)
+    coarse = np.random.default_rng(0).integers(-40, 41, (half.shape[0] // 10, half.shape[1] // 20, 3))
+    noise = np.repeat(np.repeat(coarse, 10, axis=0), 20, axis=1)
+    front, back = half.astype(np.uint8), np.clip(half + noise, 0, 255).astype(np.uint8)
+    ways = np.concatenate([front, back], axis=1), np.concatenate([back, front], axis=1)
+    return [replace(moved(reading, forward=0.0, turn=0.0), image=ways[k % 2]) for k in range(12)]
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.8, -0.8])
+def test_a_corridor_that_looks_alike_both_ways_turns_nobody_round(turn: float) -> None:
+    out, check = checked(alike_both_ways(READINGS[10]), [Command(0.3, turn)] * 12)
+    assert check.dead
+    assert all(abs(told.motion.turn) < 0.1 for told in out)
+
+
 def test_a_robot_that_is_held_fast_has_no_dead_odometer() -> None:
     held = [moved(READINGS[10], forward=0.0, turn=0.0)] * 20
     out, check = checked(held, [Command(0.4)] * 20)

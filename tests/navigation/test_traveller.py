@@ -245,3 +245,30 @@ def test_a_lack_is_said_at_the_first_view_of_the_lesson() -> None:
     robot = Roamer()
     with pytest.raises(DataError, match="needs measured ranges"):
         traveller.step(Senses(0, blind), Where(Pose2(), 0, 0.0, 0.0), Goal(Phase.TEACH), robot._mapper())
+
+
+@dataclass(frozen=True)
+class BothWays:
+    """A compass in a corridor that looks alike both ways: the true rotation or the opposite one, the nearer."""
+
+    def align(self, current: Panorama, goal: Panorama, prior: float | None = None) -> Alignment:
+        true = KnowingCompass().align(current, goal).rotation
+        turned = abs(wrap(true - (prior or 0.0))) > math.pi / 2
+        return Alignment(wrap(true + math.pi) if turned else true, 0.0)
+
+
+def alike(current: Panorama, goal: Panorama, rotation: float) -> float:
+    """The view turned round is the one a little more alike."""
+    return min(difference(current, goal, rotation), 0.05 + 0.3 * difference(current, goal, rotation + math.pi))
+
+
+@pytest.mark.parametrize("lost", [0.0, 0.06, 0.3])
+def test_a_belief_that_is_likelier_right_than_wrong_is_not_turned_round_by_a_view(
+    lost: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sight, "aligned_difference", alike)
+    monkeypatch.setattr(sight.Sight, "_elsewhere", lambda self, panorama, rotation: wrap(rotation + math.pi))
+    robot = Roamer(pose=Pose2(0.05, 0.0, 0.0), lost=lost, homing=AlignedHoming(BothWays(), Knowing()))
+    robot.travel(6, 25)
+    assert robot.pose.x > 1.5
+    assert max(abs(command.turn) for command in robot.commands) < 0.5

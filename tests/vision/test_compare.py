@@ -22,6 +22,7 @@ from topomap.vision.image.compare import (
     mean_abs,
     rms,
     rotation_difference,
+    rotation_within,
     signature,
     squared_differences,
 )
@@ -75,3 +76,22 @@ def test_blank_views_compare_without_fuss_and_recipes_dont_mix() -> None:
         rms(blank, signature(place(), ARRIVAL))
     with pytest.raises(ShapeError):
         rotation_difference(blank, signature(place(), ARRIVAL))
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.35, -0.35, 3.0, -3.1])
+def test_within_a_reach_that_holds_it_the_rotation_is_that_over_the_full_turn(turn: float) -> None:
+    here, there = signature(place(1, turn)), signature(place(1))
+    difference, rotation = rotation_difference(here, there)
+    near, found = rotation_within(here, there, turn + 0.2, 0.4)
+    assert near == pytest.approx(difference, abs=1e-3)
+    assert wrap(found - rotation) == pytest.approx(0.0, abs=1e-6)
+
+
+def test_what_lies_beyond_the_reach_isnt_found() -> None:
+    here, there = signature(place(1, 2.0)), signature(place(1))
+    for middle, reach in ((0.0, 0.5), (-1.0, 0.3), (3.0, 0.4), (0.01, 0.005)):
+        difference, rotation = rotation_within(here, there, middle, reach)
+        assert abs(wrap(rotation - middle)) <= reach + 0.5 * TAU / 90
+        assert difference > 0.5
+    with pytest.raises(ShapeError, match="signatures differ in shape"):
+        rotation_within(here, signature(place(1), ARRIVAL), 0.0, 1.0)

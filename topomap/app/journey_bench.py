@@ -1,92 +1,92 @@
-"""The bench of journeys put together: worlds, seeds, textures and disturbances, and the file it writes."""
+"""The bench of journeys put together: each world is taught once and travelled many times, and one file says it all."""
 
 from __future__ import annotations
 
+import hashlib
+import itertools
 import json
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import get_args
 
-from topomap.app.config import RunConfig, load_config
-from topomap.app.disturbed import Disturbance, Kind
+from sim2d.worlds import sources
+from topomap.app.config import load_config
+from topomap.app.disturbed import KINDS, Disturbance, Kind
 from topomap.app.journeys import journeys, teach
-from topomap.app.words import parse_seeds
-from topomap.bench.journeys import Journey, tally
+from topomap.app.runs import open_world
+from topomap.app.sweep import source_digest
+from topomap.app.wiring import versions
+from topomap.bench.journeys import Journey
+from topomap.bench.pool import Store, workers
 from topomap.core.errors import DataError
-from topomap.evaluation.summary import write_whole
+from topomap.evaluation.summary import plain, write_whole
 
 
 @dataclass(frozen=True, slots=True)
-class JourneyRequest:
-    """What to travel: worlds, seeds, textures, disturbances (each `count` times from every lesson), the goal node."""
+class LessonTask:
+    """One lesson with all its journeys, `count` of each kind: a pool Task whose result is what became of them.
 
-    worlds: tuple[str, ...]
-    seeds: tuple[int, ...]
-    textures: tuple[int, ...]
+    goal: None draws one for each journey.
+    """
+
+    world: str
+    seed: int
+    textures: int
     kinds: tuple[Kind, ...]
     count: int
-    goal: int
-    config: RunConfig
+    goal: int | None
+    words: tuple[str, ...]
 
     @property
-    def steps(self) -> int:
-        """How many journeys there will be."""
-        return len(self.worlds) * len(self.seeds) * len(self.textures) * len(self.kinds) * self.count
+    def key(self) -> str:
+        """All that decides the result."""
+        files = [hashlib.sha256(path.read_bytes()).hexdigest() for path in sources(self.world)]
+        own = [Path(self.world).name, files, self.seed, self.textures, self.kinds, self.count, self.goal, self.words]
+        return json.dumps(["journeys", *own, versions(), source_digest()])
+
+    @property
+    def travels(self) -> int:
+        """How many journeys these are."""
+        return len(self.kinds) * self.count
+
+    def perform(self) -> tuple[Journey, ...]:
+        """Teach the world once and make all its journeys. Raises DataError."""
+        wanted = [Disturbance(kind) for kind in self.kinds for _ in range(self.count)]
+        return tuple(journeys(teach(self.world, self.seed, self.textures, self.words), self.goal, wanted))
 
 
-def request(
-    worlds: str, seeds: str, textures: str, kinds: str, count: int, goal: int, settings: Iterable[str]
-) -> JourneyRequest:
-    """Return the request of a command line's words. Raises DataError, ConfigError."""
-    known: tuple[Kind, ...] = get_args(Kind)
-    asked = list(known) if kinds == "all" else [word.strip() for word in kinds.split(",")]
-    unknown = [word for word in asked if word not in known]
+def plan(
+    worlds: str, seeds: Sequence[int], textures: Sequence[int], kinds: str, count: int, goal: str, words: Sequence[str]
+) -> list[LessonTask]:
+    """Return the lessons of a command line's words, each world checked first; goal: a node's number, or "any".
+
+    Raises DataError, ConfigError.
+    """
+    if not goal.isdecimal() and goal != "any":
+        raise DataError(f"--goal {goal}: expected the number of a node, or any")
+    asked = list(KINDS) if kinds == "all" else [word.strip() for word in kinds.split(",")]
+    unknown = [word for word in asked if word not in KINDS]
     if unknown:
-        raise DataError(f"--kinds {unknown[0]}: there are all, {', '.join(known)}")
-    chosen = tuple(kind for kind in known if kind in asked)
-    names = tuple(word.strip() for word in worlds.split(",") if word.strip())
+        raise DataError(f"--kinds {unknown[0]}: there are all, {', '.join(KINDS)}")
+    names = [word.strip() for word in worlds.split(",") if word.strip()]
     if not names:
         raise DataError("--worlds: name one or more, as in room-corridor,hall")
-    config = load_config(None, settings)
-    return JourneyRequest(
-        names, tuple(parse_seeds(seeds)), tuple(parse_seeds(textures)), chosen, count, goal, config
-    )  # fmt: skip
+    for name in names:
+        open_world(name, 0, load_config(None, words))
+    chosen = tuple(kind for kind in KINDS if kind in asked)
+    every = itertools.product(names, seeds, textures)
+    return [LessonTask(*one, chosen, count, None if goal == "any" else int(goal), tuple(words)) for one in every]
 
 
-def travel_all(asked: JourneyRequest, advance: Callable[[int], None]) -> list[Journey]:
-    """Teach each world once for each seed and textures, and make all its journeys; advance: is told how many are made.
-
-    Raises DataError.
-    """
-    made: list[Journey] = []
-    wanted = [Disturbance(kind) for kind in asked.kinds for _ in range(asked.count)]
-    for world in asked.worlds:
-        for seed in asked.seeds:
-            for looks in asked.textures:
-                for one in journeys(teach(world, seed, looks, asked.config), asked.goal, wanted):
-                    made.append(one)
-                    advance(len(made))
-    return made
-
-
-HEADINGS = ("world", "disturbance", "journeys", "home", "95 %", "false", "collisions", "ratio", "m/s", "standing")
-
-
-def rows(made: Sequence[Journey]) -> list[tuple[str, ...]]:
-    """Return the table's rows, one for each world and disturbance."""
-    groups = dict.fromkeys((one.world, one.kind) for one in made)
-    return [
-        _row(world, kind, [one for one in made if (one.world, one.kind) == (world, kind)]) for world, kind in groups
-    ]
-
-
-def _row(world: str, kind: str, made: list[Journey]) -> tuple[str, ...]:
-    t = tally(made)
-    return (
-        world, kind, f"{t.journeys}", f"{t.home.value:.2f}", f"{t.home.low:.2f}-{t.home.high:.2f}", f"{t.false}",
-        f"{t.collisions}", f"{t.ratio:.2f}", f"{t.speed:.2f}", f"{t.standing:.2f}",
-    )  # fmt: skip
+def run_journeys(
+    tasks: Sequence[LessonTask], store: Store, count: int, progress: Callable[[int], None]
+) -> list[Journey]:
+    """Return what became of all journeys; progress: is told how many are made."""
+    done = itertools.count(1)
+    each = tasks[0].travels if tasks else 0
+    with workers(count, store) as hands:
+        lessons = hands.run(tasks, lambda: progress(each * next(done)))
+    return [one for lesson in lessons for one in lesson]
 
 
 def write(made: Sequence[Journey], folder: Path) -> Path:
@@ -94,7 +94,7 @@ def write(made: Sequence[Journey], folder: Path) -> Path:
     path = folder / "journeys.json"
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        write_whole(path, json.dumps([asdict(one) for one in made], indent=1) + "\n")
+        write_whole(path, json.dumps(plain([asdict(one) for one in made]), indent=1) + "\n")
     except OSError as error:
         raise DataError(f"{folder}: can't be written ({error.strerror})") from error
     return path

@@ -16,17 +16,16 @@ from sim2d.robot import SimRobot
 from topomap.app.config import RunConfig
 from topomap.app.warm_up import warm_up
 from topomap.app.wiring import build_navigator
+from topomap.bench.belief import is_wrong
 from topomap.core.arrays import BoolArray, FloatArray
 from topomap.core.errors import DataError
-from topomap.core.geometry import Pose2, wrap
+from topomap.core.geometry import Pose2
 from topomap.core.records import Phase, Where
 from topomap.evaluation.statistics import Interval, share_interval
 from topomap.mapping.graph import TopoMap
 from topomap.navigation.manoeuvres.relocalise import FOUND
 from topomap.navigation.navigator import Navigator
 
-WRONG, WRONG_TURN = 1.0, math.radians(20.0)
-"""[m], [rad] What a belief misses by, one of them at least, to be wrong: as a closure to be false."""
 SOON = 10.0
 """[m] Travel within which a kidnapped robot shall know its node."""
 DOUBTFUL = 0.1
@@ -148,12 +147,9 @@ def search(lesson: Lesson, start: Pose, farthest: float = 35.0) -> Search:
 
 
 def _is_wrong(where: Where, here: Pose, nodes: FloatArray, topo: TopoMap) -> bool:
-    """Hold a belief against the truth, seen from the node it names: the map's own errors elsewhere don't count."""
     if where.node is None:
         return True
-    believed = Pose2.of(nodes[where.node]) @ topo.pose(where.node).to(where.pose)
-    apart = math.hypot(believed.x - here[0], believed.y - here[1])
-    return apart > WRONG or abs(wrap(believed.heading - here[2])) > WRONG_TURN
+    return is_wrong(where, Pose2(*here), Pose2.of(nodes[where.node]), topo.pose(where.node))
 
 
 def tally(searches: list[Search]) -> Tally:

@@ -109,15 +109,25 @@ def journeys(
     textures: str = typer.Option("0", help="Seeds of the worlds' looks, e.g. 0-2."),
     kinds: str = typer.Option("none", help="'all' or what goes wrong, comma-separated, e.g. none,turned,carried."),
     count: int = typer.Option(1, min=1, help="Journeys of each kind from every lesson."),
-    goal: int = typer.Option(0, min=0, help="Node to travel to from the lesson's end."),
+    goal: str = typer.Option("0", help="Node to travel to from the lesson's end; any: another one each time."),
     settings: list[str] = typer.Option([], "--set", metavar="KEY=VALUE", help="Setting; may repeat."),
+    jobs: int | None = typer.Option(None, min=1, help="Processes [all cores]."),
+    fresh: bool = typer.Option(False, "--fresh", help="Measure anew what is known already."),
     out: Path = typer.Option(OUT / "journeys", help="Folder for the JSON."),
+    keep: Path | None = KEEP,
 ) -> None:
     """Teach each world once and travel many times: homecomings, false arrivals, collisions, ways and speeds."""
     from topomap.app import journey_bench as bench
+    from topomap.app.words import cores, parse_seeds
+    from topomap.bench.journey_table import HEADINGS, KEPT, kept_rows, rows
+    from topomap.bench.pool import Store, default_folder
+    from topomap.experiments.results import add_results
 
-    asked = bench.request(worlds, seeds, textures, kinds, count, goal, settings)
-    with progress("journeys", asked.steps) as advance:
-        made = bench.travel_all(asked, advance)
-    table("journeys", bench.HEADINGS, bench.rows(made))
+    tasks = bench.plan(worlds, parse_seeds(seeds), parse_seeds(textures), kinds, count, goal, settings)
+    store = Store(None if fresh else default_folder())
+    with progress("journeys", sum(task.travels for task in tasks)) as advance:
+        made = bench.run_journeys(tasks, store, jobs or cores(), advance)
+    table("journeys", HEADINGS, rows(made))
+    if keep is not None:
+        add_results(keep, KEPT, kept_rows(made), keys=7)
     console.print(str(bench.write(made, out)), soft_wrap=True)

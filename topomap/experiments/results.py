@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import shlex
 import sys
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -64,4 +65,4 @@ def _command(program: str, words: Sequence[str]) -> str:
         if name in told:
             at = told.index(name)
             del told[at : at + 2]
-    return " ".join((program, *(word for word in told if word not in ("--fresh", "--no-pictures"))))
+    return shlex.join((program, *(word for word in told if word not in ("--fresh", "--no-pictures"))))

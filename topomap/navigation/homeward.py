@@ -34,10 +34,11 @@ SPACING = 0.5
 """[m] The next milestone lies at least so far ahead: bearings are as good from 0.6 to 1 m as nearer."""
 REACH = 1.0
 """[m] How far along the course the belief may be off a milestone that its view says is reached."""
-UNSURE = 0.05
-"""Probability of being lost from which on a view may contradict the believed heading: in `office-loop` the view turned
-round looked more alike than the right one, 0.7 m off, in each of the ways home looked at, and the robot turned to and
-fro in half of its steps, while the belief's heading was right to half a degree."""
+UNSURE = LOST
+"""Probability of being lost from which on a view may contradict the believed heading: the belief is then likelier wrong
+than right. In `office-loop` the view turned round looked more alike than the right one, 0.7 m off, in each of the ways
+home looked at; obeyed from 0.05 on, it had the robot turn to and fro until it gave up, with a belief that was right to
+half a degree but not proven yet."""
 POLICY_REST = 12
 """Looks without a new minimum after which a policy's leg has come to its end: a round of trial moves is up to nine."""
 TRIALS = 12

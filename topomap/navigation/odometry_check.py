@@ -17,7 +17,7 @@ from topomap.core.records import Command, Motion
 from topomap.core.robot import MotionReading, Reading, RigReading
 from topomap.mapping.odometry.increments import Calibration
 from topomap.navigation.manoeuvres.back_off import SPEED
-from topomap.vision.image.compare import rotation_difference, signature
+from topomap.vision.image.compare import rotation_within, signature
 
 TURN_OFF = 0.1
 """[rad] A turn this far from the one between two views isn't true: undisturbed they agree to 2.5 degrees, and to 5
@@ -27,6 +27,9 @@ MORE, BEYOND = 1.5, 0.02
 take time and are blocked, and in a replay the commands aren't those that were driven by."""
 WINDOW, BAD = 8, 3
 """Steps looked back on; so many untrue ones of them, and the odometer isn't believed: one is a person or a slip."""
+TURN_BEYOND = 0.4
+"""[rad] How far beyond what wheels were told a turn is looked for in two views: twice the fastest turn of a step. In
+`office-loop` a corridor's view turned round was once the one more alike, and the way home ended at another door."""
 WELL = 40
 """Steps without an untrue one after which it is believed again: noise that shows in one step of three hides for 8."""
 SEEN_MOVE, SEEN_TURN = 0.06, 0.03
@@ -102,7 +105,7 @@ class OdometryCheck:
             self._bad_ways.clear()
             self.dead = self.turns = self.ways = False
             return reading
-        difference, seen = rotation_difference(signature(panorama), signature(before))
+        difference, seen = _turned(panorama, before, told.turn * reading.motion.dt)
         moved = difference > SEEN_MOVE or abs(seen) > SEEN_TURN
         way = told.forward * reading.motion.dt
         self._judge(reading.motion, seen, moved, told)
@@ -136,6 +139,15 @@ class OdometryCheck:
             covariance[2, :], covariance[:, 2] = 0.0, 0.0
             covariance[2, 2] = TURN_SIGMA**2
         return Motion(forward, float(read.left), turn, covariance, float(read.dt))
+
+
+def _turned(now: Panorama, before: Panorama, told: float) -> tuple[float, float]:
+    """Return the difference of two views and the turn between them [rad], of those that the wheels can have made.
+
+    told [rad]: what they were told, of which blocked ones make none. Whoever is turned by somebody else isn't judged
+    here: the map notices it.
+    """
+    return rotation_within(signature(now), signature(before), told / 2, abs(told) / 2 + TURN_BEYOND)
 
 
 def _untrue(bad: deque[bool], already: bool) -> bool:

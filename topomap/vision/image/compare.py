@@ -5,6 +5,7 @@ The scale of every `rms` here: 0 for the same view, sqrt(2) = 1.4 for unrelated 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import cv2
@@ -12,7 +13,7 @@ import numpy as np
 
 from topomap.core.arrays import Complex64Array, Float32Array, FloatArray
 from topomap.core.errors import ShapeError
-from topomap.core.geometry import TAU, wrap_all
+from topomap.core.geometry import TAU, wrap, wrap_all
 from topomap.core.panorama import Panorama
 from topomap.vision.matching.kernels import spectra_powers, spectra_products
 
@@ -111,6 +112,23 @@ def rotation_difference(current: Signature, stored: Signature) -> tuple[float, f
     """Return the rotation-minimised rms of two signatures and the rotation [rad]. Raises ShapeError."""
     found = rotation_differences(current, stored.spectrum[np.newaxis])
     return float(found.difference[0]), float(found.rotation[0])
+
+
+def rotation_within(current: Signature, stored: Signature, middle: float, reach: float) -> tuple[float, float]:
+    """Return the least rms of two signatures over rotations [rad] within `reach` of `middle`, and that rotation.
+
+    Raises ShapeError.
+    """
+    if stored.spectrum.shape != current.spectrum.shape:
+        raise ShapeError(f"signatures differ in shape: {stored.pixels.shape} and {current.pixels.shape}")
+    squares = squared_differences(current, stored.spectrum[np.newaxis])[0]
+    columns = len(squares)
+    steps = np.arange(math.ceil((middle - reach) * columns / TAU), math.floor((middle + reach) * columns / TAU) + 1)
+    best = int(steps[squares[steps % columns].argmin()]) if len(steps) else round(middle * columns / TAU)
+    below, here, above = (squares[[(best + step) % columns]] for step in (-1, 0, 1))
+    offset, low = parabola(below, here, above)
+    rotation = wrap(float(best + offset[0]) * TAU / columns)
+    return math.sqrt(max(float(low[0]), 0.0)), rotation
 
 
 def rotation_differences(
