@@ -11,14 +11,14 @@ from topomap.vision.image.compare import parabola, sector_means, signature, turn
 from topomap.vision.image.surroundings import predicted
 
 SPACING = 0.1
-"""[m] Between the places that are tried: the nearest of them was the likeliest in 310 of 316 looks, half a metre
-apart, along the corridors of ten worlds, people and noise included; the others were 0.2 m off."""
+"""[m] Between the places that are tried. In 361 looks, half a metre apart, along the corridors of eleven worlds, with
+people and noise too, the likeliest of them was within 0.1 m of the truth in 360 and 0.2 m off in one."""
 BEYOND, FARTHEST = 0.5, 2.0
 """[m] Farther than anything says, and farthest, that is tried: a view predicted from farther off is none."""
 CLEARLY = 1.2
 """Times that the view differs more from what would be seen where the odometry has the robot than from what would be
-seen elsewhere, before it contradicts: undisturbed at most 1.08 times, with people beside the robot all the way; 0.3 m
-off 1.2 times at least with them, in bare corridors 1.5."""
+seen elsewhere, before it contradicts: with the odometry off by 0.3 m it does in 99.7 % of those looks, half of them 3.2
+times. A true odometry reaches it in 6 % of them, being some centimetres off, which is too little to be untrue."""
 SECTORS = 15
 """Parts of the view that are compared one by one: people who pass change a third of them, being carried away all."""
 
