@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -141,6 +142,7 @@ def test_turning_on_the_spot_and_driving_into_a_corridor_are_no_breaks() -> None
         robot.act(Command(0.0, 0.8) if 70 <= k < 86 else Command(0.4, 0.0))
 
 
+@cache
 def along_a_corridor(steps: int, seed: int) -> list[SimReading]:
     """Readings between two bare walls of look-alike doors, whose ranges don't tell the way along."""
     robot = SimRobot(worlds.load(str(TWO_CORRIDORS)), SimConfig(), seed, SetDown((7.0, 6.5, 0.0), 10))
