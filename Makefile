@@ -3,9 +3,11 @@ PYTHON ?= $(shell command -v python3.11 || command -v python3)
 VENV := .venv
 BIN := $(VENV)/bin
 SAMPLE ?= 60
-# numba's kernels, once: two workers and a dozen programs of the tests would each compile them anew
+# numba's kernels and the tests' bytecode, once: two workers and a dozen programs would each compile them anew
 COMPILE = rm -rf $(VENV)/compiled; $(BIN)/topomap optimize examples/graphs/block-doubtful.g2o --out $(VENV)/compiled/graph >/dev/null & \
-	$(BIN)/topomap run tests/helpers/den.toml --out $(VENV)/compiled/run --force >/dev/null; wait
+	$(BIN)/topomap run tests/helpers/den.toml --out $(VENV)/compiled/run --force >/dev/null & \
+	$(BIN)/pytest --collect-only >/dev/null; wait
+unexport PYTHONDONTWRITEBYTECODE
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 
 .PHONY: demo test lint bench mutate results lock clean
@@ -14,8 +16,9 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 demo: $(VENV)/.run ## drive, map, close the loop, go home; prints where the report and the log lie
 	$(BIN)/topomap run room-corridor --out runs/demo --force
 
-test: lint ## everything .ci/run checks
-	$(BIN)/pytest -n 2
+test: $(VENV)/.test ## everything .ci/run checks: lint beside the tests, which leave a tenth of two cores idle
+	@$(MAKE) --no-print-directory lint >$(VENV)/lint.log 2>&1 & lint=$$!; \
+	$(BIN)/pytest -n 2; tests=$$?; wait $$lint; lint=$$?; cat $(VENV)/lint.log; exit $$((tests | lint))
 
 lint: $(VENV)/.test
 	$(BIN)/ruff check .

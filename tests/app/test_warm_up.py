@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from pathlib import Path
 
+DEN = Path(__file__).parents[1] / "helpers" / "den.toml"
 SCRIPT = """
 import sys
 from numba.core.dispatcher import Dispatcher
@@ -27,9 +29,9 @@ def compiled():
 warm_up()
 before = compiled()
 config = RunConfig()
-robot = SimRobot(worlds.load("room-corridor"), config.sim, 0)
+robot = SimRobot(worlds.load(sys.argv[1]), config.sim, 0)
 navigator = build_navigator(config.stack)
-for _ in range(260):
+for _ in range(150):
     reading = robot.sense()
     command, record = navigator.step(reading)
     robot.act(command)
@@ -40,6 +42,6 @@ print(sorted(compiled() - before))
 
 
 def test_no_step_waits_for_a_kernel_to_be_compiled() -> None:
-    done = subprocess.run([sys.executable, "-c", SCRIPT], capture_output=True, text=True, check=False)
+    done = subprocess.run([sys.executable, "-c", SCRIPT, str(DEN)], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert done.stdout.strip() == "[]"

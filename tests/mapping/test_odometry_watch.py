@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -139,3 +140,27 @@ def test_turning_on_the_spot_and_driving_into_a_corridor_are_no_breaks() -> None
         assert reading is not None
         assert watch.judge(Panorama.from_reading(reading), reading.motion, CALIBRATED) == "", k
         robot.act(Command(0.0, 0.8) if 70 <= k < 86 else Command(0.4, 0.0))
+
+
+@cache
+def along_a_corridor(steps: int, seed: int) -> list[SimReading]:
+    """Readings between two bare walls of look-alike doors, whose ranges don't tell the way along."""
+    robot = SimRobot(worlds.load(str(TWO_CORRIDORS)), SimConfig(), seed, SetDown((7.0, 6.5, 0.0), 10))
+    readings = []
+    for _ in range(steps):
+        reading = robot.sense()
+        assert reading is not None
+        readings.append(reading)
+        robot.act(Command(0.4, 0.0))
+    return readings[12:]
+
+
+@pytest.mark.parametrize("times", [2.7, 1.8, 0.4])
+def test_a_slip_along_a_corridor_is_told_by_the_view(times: float) -> None:
+    seen = along_a_corridor(90, 1)
+    wrong = [changed(r, 0.0, 0.0, times) if 30 <= k < 44 else r for k, r in enumerate(seen)]
+    (said_of_true, mended_of_true, true), (broken, mended, pose) = watched(seen), watched(wrong)
+    assert (said_of_true, mended_of_true, broken) == ([], [], [])
+    assert [30 <= k <= 37 for k, _ in mended] == [True]
+    assert "odometry untrue" in mended[0][1]
+    assert true.distance(pose) < 0.35, "0.8 to 2.4 m were counted wrongly"

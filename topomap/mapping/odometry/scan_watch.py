@@ -11,6 +11,7 @@ import numpy as np
 from topomap.core.arrays import Float32Array, FloatArray
 from topomap.core.geometry import Pose2, wrap
 from topomap.core.panorama import Panorama
+from topomap.mapping.odometry.seen_way import seen_way
 from topomap.vision.image.compare import rotation_difference, signature
 from topomap.vision.matching.scan_match import match_scans
 
@@ -26,13 +27,14 @@ hide it for two or three."""
 FAR_ENOUGH = 0.3
 """Share of the usual way that ranges must show where the view moves."""
 EXACT, EXACT_TURN = 0.05, math.radians(1.0)
-"""[m], [rad] Greatest errors of what is believed: along bare corridors ranges don't tell the way."""
+"""[m], [rad] Greatest errors of what is believed: along bare corridors ranges don't tell the way, but views do."""
 
 
 class ScanWatch:
     """Lays every fifth scan over the one five steps before it.
 
-    untrue: whether the odometry of late wasn't what the ranges show; said: about the last step, "" for nothing.
+    Along corridors, which ranges don't tell, the view has to be the one predicted there.
+    untrue: whether the odometry of late wasn't what these show; said: about the last step, "" for nothing.
     """
 
     def __init__(self) -> None:
@@ -89,7 +91,25 @@ class ScanWatch:
         every = [_match(before.ranges, now.ranges, guess) for guess in self._guesses(before, now, usual)]
         others = [one for one in every if one is not None and math.hypot(one.pose.x, one.pose.y) >= least]
         best = max(others, key=lambda one: (len(one.told), one.share), default=None)
-        return own if fits and (best is None or len(best.told) < 2) else best
+        shown = own if fits and (best is None or len(best.told) < 2) else best
+        return shown if shown is None or len(shown.told) == 2 else self._with_view(shown, before, now, usual)
+
+    def _with_view(self, shown: Shown, before: Panorama, now: Panorama, usual: float) -> Shown:
+        """Let the views tell the direction that ranges don't, where they contradict the odometry in it."""
+        assert before.ranges is not None
+        assert now.ranges is not None
+        along = np.array([-shown.told[0, 1], shown.told[0, 0]])
+        read = float(along @ self._read.array()[:2])
+        if np.array_equal(before.ranges, now.ranges, equal_nan=True):
+            return shown  # the scanner repeats itself: its distances are none of the view's
+        if read < 0.0:
+            along, read = -along, -read
+        way = seen_way(before, now, shown.pose, along, read, STEPS * usual)
+        if way == read:
+            return shown
+        x, y = shown.pose.array()[:2] + (way - float(along @ shown.pose.array()[:2])) * along
+        pose = Pose2(float(x), float(y), shown.pose.heading)
+        return Shown(pose, np.vstack([shown.told, along]), shown.share, "ranges and views show")
 
     def _guesses(self, before: Panorama, now: Panorama, usual: float) -> Iterator[Pose2]:
         turn = rotation_difference(signature(now), signature(before))[1]
@@ -119,7 +139,7 @@ class ScanWatch:
         slack, self._slack = self._slack, self._believed.to(seen)
         if self.untrue and not before:
             self.said = (
-                f"odometry untrue: it counts {_words(self._read)} where the ranges show {_words(seen)}; these are taken"
+                f"odometry untrue: it counts {_words(self._read)} where {shown.how} {_words(seen)}; these are taken"
             )
         if not self.untrue and not before:
             return None
@@ -129,11 +149,13 @@ class ScanWatch:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Shown:
-    """A pose by ranges; told (K, 2): unit vectors of the directions that they tell; share of rays with a partner."""
+    """A pose by ranges; told (K, 2): unit vectors of the directions that they tell; share of rays with a partner; how:
+    what shows it, in words."""
 
     pose: Pose2
     told: FloatArray
     share: float
+    how: str = "the ranges show"
 
 
 def _match(before: Float32Array, now: Float32Array, guess: Pose2) -> Shown | None:

@@ -16,10 +16,9 @@ from topomap.core.robot import MotionReading
 from topomap.mapping.odometry.gap import Restated
 from topomap.mapping.odometry.increments import Calibration, advance
 from topomap.mapping.odometry.scan_watch import STEPS, ScanWatch
-from topomap.vision.image.compare import rotation_difference, signature
+from topomap.mapping.odometry.seen_way import SECTORS
+from topomap.vision.image.compare import rotation_difference, sector_means, signature, turned
 
-SECTORS = 15
-"""Parts of the view that are compared one by one: people who pass change a third of them, being carried away all."""
 MEMORY, FEWEST = 60, 10
 """Steps over which the usual change is taken, and before which nothing is usual."""
 TIMES = 2.5
@@ -208,12 +207,7 @@ def _seen_turn(now: Panorama, before: Panorama) -> float:
 def _change(now: Panorama, before: Panorama, turn: float) -> tuple[float, float]:
     """Return how two views differ (rms), turned by the odometry's turn or nearly: median over sectors, and whole."""
     a, b = signature(now), signature(before)
-    columns = a.pixels.shape[1]
-    frequencies = np.arange(a.spectrum.shape[1])
-    turns = (turn + np.array([-1.0, 0.0, 1.0]) * TAU / columns) % TAU
-    phases = np.exp(-1j * frequencies[None] * turns[:, None])
-    rolled = np.fft.irfft(a.spectrum[None] * phases[:, None, :], n=columns, axis=2)
-    squares: FloatArray = np.square(rolled - b.pixels[None]).mean(axis=1)
-    bounds = np.linspace(0, columns, SECTORS, endpoint=False).astype(np.int64)
-    sectors = np.add.reduceat(squares, bounds, axis=1) / np.diff(np.append(bounds, columns))
-    return float(np.sqrt(np.median(sectors, axis=1).min())), float(np.sqrt(squares.mean(axis=1).min()))
+    turns = turn + np.array([-1.0, 0.0, 1.0]) * TAU / a.pixels.shape[1]
+    squares: FloatArray = np.square(turned(a, turns) - b.pixels[None]).mean(axis=1)
+    by_sector = sector_means(squares, SECTORS)
+    return float(np.sqrt(np.median(by_sector, axis=1).min())), float(np.sqrt(squares.mean(axis=1).min()))

@@ -98,6 +98,22 @@ def _difference(a: Signature, b: Signature) -> Float32Array:
     return a.pixels - b.pixels
 
 
+def turned(view: Signature, angles: FloatArray) -> FloatArray:
+    """Return a view's pixels (N, R, C) as seen by a robot turned back by angles (N,) [rad], to any fraction."""
+    frequencies = np.arange(view.spectrum.shape[1])
+    phases = np.exp(-1j * frequencies[None] * (angles % TAU)[:, None])
+    rolled: FloatArray = np.fft.irfft(view.spectrum[None] * phases[:, None, :], n=view.pixels.shape[1], axis=2)
+    return rolled
+
+
+def sector_means(values: FloatArray, sectors: int) -> FloatArray:
+    """Return the means (N, sectors) of values (N, C) over equal parts of all columns."""
+    columns = values.shape[1]
+    bounds = np.linspace(0, columns, sectors, endpoint=False).astype(np.int64)
+    means: FloatArray = np.add.reduceat(values, bounds, axis=1) / np.diff(np.append(bounds, columns))
+    return means
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class RotationDifferences:
     """For each of N stored views: difference (N,), the rms minimised over rotation, and rotation (N,) [rad],

@@ -45,9 +45,14 @@ def _surroundings(panorama: Panorama) -> Surroundings:
     along, aside = (STEP * np.arange(-count, count + 1) for count in (ALONG, ASIDE))
     points = np.stack(np.meshgrid(along, aside, indexing="ij"), axis=-1).reshape(-1, 2)
     points = points[np.argsort(np.hypot(points[:, 0], points[:, 1]), kind="stable")]
-    pixels = np.stack([normalised(one) for one in _shrunk_again(_displaced(panorama, points), len(points))])
+    pixels = predicted(panorama, points)
     spectra: Complex64Array = np.fft.rfft(pixels, axis=2).astype(np.complex64)
     return Surroundings(points, tuple(Signature(*one) for one in zip(pixels, spectra, strict=True)), spectra)
+
+
+def predicted(panorama: Panorama, points: FloatArray) -> Float32Array:
+    """Return the pixels (D, R, C) of the small views predicted from points (D, 2) [m], ahead and to the left."""
+    return np.stack([normalised(one) for one in _shrunk_again(_displaced(panorama, points), len(points))])
 
 
 def _displaced(panorama: Panorama, points: FloatArray) -> Float32Array:
