@@ -34,8 +34,9 @@ def seen(
     ratio: float = 0.6,
     usual: float = 0.3,
     compared: bool = True,
+    waits: bool = False,
 ) -> Seen:
-    return Seen.of_one(difference, limit, cost, ratio, usual, compared)
+    return Seen.of_one(difference, limit, cost, ratio, usual, compared, waits=waits)
 
 
 def said(
@@ -55,6 +56,10 @@ def said(
     [
         (Alike(), seen(cost=0.79), seen(cost=0.81), "no place is alike enough (cost 0.81 > 0.8)"),
         (Distinct(), seen(ratio=0.89), seen(ratio=0.91), "another place is nearly as alike (ratio 0.91 > 0.9)"),
+        (
+            Distinct(), seen(ratio=0.94, waits=True), seen(ratio=0.96, waits=True),
+            "another place is nearly as alike (ratio 0.96 > 0.95)",
+        ),
         (Reachable(), seen(), seen(compared=False), "the place most alike is out of the odometry's reach"),
         (
             Familiar(), seen(difference=0.89), seen(difference=0.91),

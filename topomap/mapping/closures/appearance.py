@@ -9,7 +9,7 @@ import numpy as np
 
 from topomap.core.panorama import Panorama
 from topomap.core.records import Alignment, PlaceMatch
-from topomap.mapping.closures.sight_tests import MOST_RATIO
+from topomap.mapping.closures.sight_tests import MOST_TOGETHER
 from topomap.vision.contracts import Aligner
 
 RIVAL_DISTANCE = 1.5
@@ -68,7 +68,7 @@ class Appearance:
         looks = sorted(map(look, places), key=_cost)
         for rival in rivals:
             looks = sorted([*looks, look(rival)], key=_cost)
-            if _outcome(looks, distance, far).ratio > MOST_RATIO:
+            if _outcome(looks, distance, far).ratio > MOST_TOGETHER:
                 break
         return _outcome(looks, distance, far)
 

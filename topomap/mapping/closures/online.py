@@ -22,6 +22,7 @@ from topomap.mapping.closures.relative_pose import RelativePoseEstimator, Relati
 from topomap.mapping.closures.robot_tests import GATE, RobotTests
 from topomap.mapping.closures.seen import Seen
 from topomap.mapping.closures.sight import Sight
+from topomap.mapping.closures.sight_tests import MOST_RATIO
 from topomap.mapping.closures.voting import Voting
 from topomap.mapping.optimisation import Optimisation
 from topomap.mapping.optimizer.problem import ClosureEdge
@@ -160,7 +161,7 @@ class Closing:
         if failed >= 0:
             reason = self._engine.reason(claim, knowledge, failed)
             return [self._engine.decide(stamp_ns, candidate, Verdict.REFUSED, reason)]
-        if open_places and not (seen.clear[0] and odds >= self._alone):
+        if open_places and not (seen.clear[0] and seen.ratio[0] <= MOST_RATIO and odds >= self._alone):
             return self._vote(stamp_ns, candidate, "odometry leaves several places open")
         if odds < self._alone:
             return self._vote(stamp_ns, candidate, f"it may as well be a look-alike (log odds {odds:.1f})")

@@ -89,7 +89,8 @@ class Sight:
         outcome = replace(outcome, ratio=min(outcome.ratio, clear.ratio))
         looks = max(self._looks.of(self._elsewhere(proposal, outcome), open_places), clear.looks)
         candidate = self._candidate(proposal, outcome, looks)
-        return Sighting(candidate, self._seen(proposal, outcome, clear.looks > 0.0), outcome.winner)
+        clearly = clear.looks > 0.0
+        return Sighting(candidate, self._seen(proposal, outcome, clearly, open_places), outcome.winner)
 
     def _nearest(self, stamp_ns: int, outcome: Outcome) -> Outcome:
         """Return an outcome whose winner is the place, of those equally alike, that lies nearest by odometry.
@@ -128,10 +129,11 @@ class Sight:
         looks = self._contrast.log_ratio(match.difference, rival)
         return Clear(match.difference / max(rival, 1e-9), looks) if looks > 0.0 else UNCLEAR
 
-    def _seen(self, proposal: Proposal, outcome: Outcome, clear: bool) -> Seen:
+    def _seen(self, proposal: Proposal, outcome: Outcome, clear: bool, waits: bool) -> Seen:
         match, cost = outcome.winner.match, outcome.winner.alignment.residual
         compared = match.node in proposal.moment.difference
-        return Seen.of_one(match.difference, proposal.limit, cost, outcome.ratio, self._usual.value, compared, clear)
+        usual = self._usual.value
+        return Seen.of_one(match.difference, proposal.limit, cost, outcome.ratio, usual, compared, clear, waits)
 
     def _candidate(self, proposal: Proposal, outcome: Outcome, looks: float) -> Candidate:
         match, cost = outcome.winner.match, outcome.winner.alignment.residual
