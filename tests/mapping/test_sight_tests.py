@@ -108,7 +108,8 @@ def test_the_engine_names_the_first_test_that_refuses() -> None:
 
 
 def test_some_of_what_was_seen_is_theirs() -> None:
-    both = Seen(*(np.array([k, k + 10.0]) for k in range(5)), np.array([True, False]), np.array([False, True]))
+    flags = (np.array([True, False]), np.array([False, True]), np.array([True, False]))
+    both = Seen(*(np.array([k, k + 10.0]) for k in range(5)), *flags)
     part = both.among(np.array([1]))
     assert [part.difference[0], part.limit[0], part.cost[0], part.ratio[0], part.usual[0]] == [10, 11, 12, 13, 14]
     assert not part.compared[0]
