@@ -33,9 +33,8 @@ from topomap.navigation.runner import run
 
 FROM = 0.25
 """[m] Truth kept of the lesson: one pose each so many metres, where a journey may start."""
-
 FAR = 5.0
-"""[m] Way from the lesson's end to a goal that is drawn, at least."""
+"""[m] Distance of a goal that is drawn from the lesson's end, at least."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -138,8 +137,8 @@ def travel(taught: Taught, trip: Trip, disturbance: Disturbance, steps: int) -> 
     topo = navigator.mapper.map
     if goal >= len(topo.nodes):
         raise DataError(f"--goal {goal}: the map of {taught.world} has {len(topo.nodes)} nodes, from 0 on")
-    # a copy, so that what a journey is like doesn't depend on those before it; the world doesn't change under way
-    mine = copy.deepcopy(taught.robot, {id(taught.robot.world): taught.robot.world})
+    # a copy with its world, so that what a journey is like doesn't depend on those before it
+    mine = copy.deepcopy(taught.robot)
     mine.put(*taught.end())
     rng = stream(taught.seed, f"journey {trip.number} {trip.kind}")
     watched = Watched(mine.truth, lambda where: _is_wrong(where, mine.truth(), taught, topo))
