@@ -19,6 +19,9 @@ CLEARLY = 1.2
 """Times that the view differs more from what would be seen where the odometry has the robot than from what would be
 seen elsewhere, before it contradicts: with the odometry off by 0.3 m it does in 99.7 % of those looks, half of them 3.2
 times. A true odometry reaches it in 6 % of them, being some centimetres off, which is too little to be untrue."""
+EXPLAINED = 0.3
+"""Difference up to which what would be seen explains the view: at the likeliest place at most 0.21 in 99 % of those
+looks; 0.48 in a round room whose ranges had the turn 6 degrees wrong, and the place then was."""
 SECTORS = 15
 """Parts of the view that are compared one by one: people who pass change a third of them, being carried away all."""
 
@@ -36,7 +39,7 @@ def seen_way(before: Panorama, now: Panorama, pose: Pose2, along: FloatArray, re
     differences = _differences(before, now, pose.heading, aside + np.append(tried, read)[:, np.newaxis] * along)
     *there, claimed = differences
     best = int(np.argmin(there))
-    if not 0 < best < len(there) - 1 or claimed < CLEARLY * there[best]:
+    if not 0 < best < len(there) - 1 or there[best] > min(EXPLAINED, claimed / CLEARLY):
         return read
     below, here, above = (np.square(differences[[best + k]]) for k in (-1, 0, 1))
     return float(tried[best] + SPACING * parabola(below, here, above)[0][0])
