@@ -1,0 +1,99 @@
+"""Small pieces of the methods, each where a mistake in it would show."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from topomap.core.errors import DataError
+from topomap.core.geometry import TAU
+from topomap.core.panorama import Panorama
+from topomap.core.rig import Rig
+from topomap.vision.arena import central, spread
+from topomap.vision.contracts import Needs
+from topomap.vision.eye_level import _peak
+from topomap.vision.homing.equal_warping import EqualWarping, RingWarping
+from topomap.vision.homing.matched_filter import _upward
+from topomap.vision.image.landmarks import MarkerSpec, _runs, markers
+from topomap.vision.tilt.verticals import _fitted
+
+
+def blank(rig: Rig | None = None) -> Panorama:
+    rig = rig or Rig()
+    return Panorama(np.full((rig.height, rig.width, 3), 90, np.uint8), None, rig)
+
+
+@pytest.mark.parametrize(("roll", "pitch"), [(0.03, 0.0), (0.0, -0.04), (-0.02, 0.05)])
+def test_edges_that_run_as_a_lean_has_them_tell_it(roll: float, pitch: float) -> None:
+    columns = np.arange(0, 360, 2)
+    bearings = columns * TAU / 360
+    stretch = 1.3
+    run = stretch * (roll * np.cos(bearings) + pitch * np.sin(bearings))
+    found = _fitted(np.column_stack([columns, run, np.full(len(run), 900.0)]), 360, stretch)
+    assert found is not None
+    assert [found.lean.roll, found.lean.pitch] == pytest.approx([roll, pitch], abs=1e-4)
+
+
+def test_few_edges_tell_no_lean() -> None:
+    edges = np.column_stack([np.arange(59.0), np.zeros(59), np.full(59, 900.0)])
+    assert _fitted(edges, 360, 1.0) is None
+
+
+def test_the_position_nearest_to_the_middle_is_central() -> None:
+    positions = np.array([[0.0, 0.0], [4.0, 0.0], [2.2, 0.9], [4.0, 2.0]])
+    assert central(positions) == (2.2, 0.9)
+
+
+def test_positions_spread_out_until_there_is_no_other_one() -> None:
+    positions = np.array([[0.0, 0.0], [0.3, 0.0], [0.0, 0.7], [0.0, 0.7]])
+    assert spread(positions, (0.0, 0.0), 4) == [2, 1]
+    assert spread(positions, (0.0, 0.0), 1) == [2]
+
+
+def test_only_who_needs_the_cameras_height_asks_for_it() -> None:
+    low, known = blank(replace(Rig(), camera_height=0.0)), blank(replace(Rig(), camera_height=0.4))
+    Needs().check(low)
+    Needs(camera_height=True).check(known)
+    with pytest.raises(DataError, match="camera's height"):
+        Needs(camera_height=True).check(low)
+    with pytest.raises(DataError, match="ranges"):
+        Needs(ranges=True).check(known)
+
+
+def test_a_marker_is_a_run_of_its_colour_on_the_horizon() -> None:
+    view = blank()
+    middle, red = int(view.rig.horizon_row), (200, 20, 20)
+    view.image[middle - 2 : middle + 3, 10:14] = red
+    view.image[middle - 2 : middle + 3, 40:42] = red  # too narrow
+    view.image[middle + 3 : middle + 6, 60:70] = red  # too low
+    view.image[: middle - 2, 80:90] = red  # too high
+    found = markers(view, MarkerSpec())
+    assert found.bearings == pytest.approx([11.5 * TAU / view.rig.width])
+
+
+def test_runs_go_around_the_circle_and_a_whole_one_has_no_ends() -> None:
+    assert _runs(np.array([True, False, True, True])) == [(2, 3)]
+    assert _runs(np.ones(4, np.bool_)) == []
+
+
+def test_a_peak_between_rows_is_found_and_none_beyond_the_neighbours() -> None:
+    rows = np.array([10.0, 12.0, 14.0])
+    assert _peak(rows, np.array([1.0, 3.0, 2.0])) == pytest.approx(12.0 + 2.0 / 6.0)
+    assert _peak(rows, np.array([0.0, 1.0, 1.9])) == pytest.approx(14.0)
+    assert _peak(rows, np.array([1.0, 1.0, 1.0])) == 12.0
+
+
+def test_two_rows_have_a_slope() -> None:
+    assert _upward(np.array([[3.0], [1.0]], np.float32), 0.5) == pytest.approx(np.array([[4.0], [4.0]]))
+    assert not _upward(np.ones((1, 3), np.float32), 0.5).any()
+
+
+@pytest.mark.parametrize("method", [RingWarping(), EqualWarping()])
+def test_two_blank_views_tell_no_way_home(method: RingWarping | EqualWarping) -> None:
+    view = method.describe(blank())
+    home = method.home(view, view)
+    assert (home.distance, home.confidence) == (None, 0.0)
+    assert math.isfinite(home.bearing)
