@@ -56,14 +56,14 @@ class RecognitionSettings(BaseModel, frozen=True, extra="forbid"):
 class Moment:
     """One step as place search saw it: stamp, raw odometer way [m] and view.
 
-    places: the older ones within reach, rivals: the most similar of all that were left as long ago, both best first.
+    places: the older ones within reach, likely: the most similar of all older ones, both best first.
     """
 
     stamp_ns: int
     travel: float
     panorama: Panorama
     places: tuple[PlaceMatch, ...]
-    rivals: tuple[PlaceMatch, ...]
+    likely: tuple[PlaceMatch, ...]
     difference: dict[int, float]
 
 
@@ -149,10 +149,9 @@ class Recognition:
         if self._travel:
             self._learn_change(view, travel, [travel - self._travel[-1]])
         matches, likely = self._search(view, travel, reachable)
-        rivals = self._rivals(view, travel, matches, likely)
         differences = {match.node: match.difference for match in matches}
         self._count += 1
-        self._recent.append(Moment(stamp_ns, travel, panorama, matches, rivals, differences))
+        self._recent.append(Moment(stamp_ns, travel, panorama, matches, likely, differences))
         return likely[0] if likely else None
 
     def _search(
@@ -168,21 +167,20 @@ class Recognition:
         rivals = self._matches(*self.index.search(view, SHORTLIST, old))
         return self._matches(places, self.index.compare(view, places)), rivals
 
-    def _rivals(
-        self, view: Signature, travel: float, places: tuple[PlaceMatch, ...], likely: tuple[PlaceMatch, ...]
-    ) -> tuple[PlaceMatch, ...]:
-        """Return the likeliest places anywhere, of those that were left as long ago as the best of some places."""
-        count = self._as_long_ago(travel, places)
-        if not count or all(match.node <= self._nodes[count - 1] for match in likely):
-            return likely
-        return self._matches(*self.index.search(view, SHORTLIST, count))
+    def _rivals(self, moment: Moment) -> tuple[PlaceMatch, ...]:
+        """Return the likeliest places anywhere, of those that were left as long ago as the moment's best place."""
+        count = self._as_long_ago(moment)
+        if all(match.node <= self._nodes[count - 1] for match in moment.likely):
+            return moment.likely
+        return self._matches(*self.index.search(signature(moment.panorama), SHORTLIST, count))
 
-    def _as_long_ago(self, travel: float, places: tuple[PlaceMatch, ...]) -> int:
-        """Return how many places, of the first ones, were left about as long ago as the best of some places."""
-        if not places:
-            return self._old(travel)
-        left = self._travel[bisect_left(self._nodes, places[0].node)]
-        return min(self._old(travel), bisect_right(self._travel, travel - AS_LONG_AGO * (travel - left)))
+    def _as_long_ago(self, moment: Moment) -> int:
+        """Return how many places, of the first ones, were left about as long ago as the best within reach, one at
+        least.
+        """
+        left = self._travel[bisect_left(self._nodes, moment.places[0].node)]
+        longest = moment.travel - AS_LONG_AGO * (moment.travel - left)
+        return min(self._old(moment.travel), bisect_right(self._travel, longest))
 
     @property
     def far(self) -> float:
@@ -227,7 +225,9 @@ class Recognition:
             if self._is_proposed(place):
                 moment = self._recent[place]
                 self._last_proposal = moment.travel
-                return Proposal(moment, moment.places[:SHORTLIST], moment.rivals, self.limit, self._older(moment))
+                return Proposal(
+                    moment, moment.places[:SHORTLIST], self._rivals(moment), self.limit, self._older(moment)
+                )
         return None
 
     def _next_known(self, ended: bool) -> int | None:
@@ -261,7 +261,7 @@ class Recognition:
 
     def _older(self, moment: Moment) -> dict[int, float]:
         """Return the differences of a moment's view to older places, by node: to all, or to so many evenly."""
-        old = self._as_long_ago(moment.travel, moment.places)
+        old = self._as_long_ago(moment)
         places = np.arange(0, old, max(1, -(-old // COMPARED)))
         found = self.index.compare(signature(moment.panorama), places).difference
         return dict(zip(np.array(self._nodes)[places].tolist(), found.tolist(), strict=True)) | moment.difference

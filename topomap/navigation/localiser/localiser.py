@@ -101,12 +101,11 @@ class Localiser:
         if start.unknown:
             self._earlier = mapper.located
             return Belief(Mixture.unknown(), mapper.map)
-        if driven and not self._on_known_ground(mapper) and start.pose is None and start.node is None:
-            return None
         given = start.pose or (mapper.map.pose(start.node) if start.node is not None else None)
         if given is None and driven and not any(d.verdict is Verdict.ACCEPTED for d in change.decisions):
             return None
-        self._earlier = min(self._first(mapper, driven), _pass_began(mapper))
+        if driven:
+            self._earlier = min(self._first(mapper, driven), _pass_began(mapper))
         self._right = mapper.map.chain[-1]
         return Belief(Mixture.at((given or mapper.track.pose).array(), TRACKED, DOUBT), mapper.map)
 

@@ -91,7 +91,9 @@ class Mixture:
         )
 
     def looked(self, which: IntArray, squares: FloatArray, most: float = np.inf) -> Mixture:
-        """Return hypotheses `which` (k,) with a look more, of squared likeness `squares` (k,), summed up to `most`."""
+        """Return hypotheses `which` (k,) with a look more, of squared likeness `squares` (k,), of which the sum
+        takes no more than `most`.
+        """
         seen = self.seen.copy()
         seen[which, 0] += np.minimum(squares, most)
         seen[which, 1] += 1.0
