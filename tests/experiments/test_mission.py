@@ -8,7 +8,7 @@ import pytest
 from topomap.core.errors import DataError
 from topomap.experiments import STUDIES, mission
 from topomap.experiments.mission import MissionRow, mission_rows, mission_table
-from topomap.experiments.mission_results import Homing
+from topomap.experiments.mission_results import Homing, _grids
 from topomap.experiments.results import read_results
 
 ROOT = Path(__file__).parents[2]
@@ -93,3 +93,10 @@ def test_a_broken_file_of_figures_is_refused(tmp_path: Path) -> None:
         read_results(broken)
     with pytest.raises(DataError, match="can't be read"):
         read_results(tmp_path / "none.csv")
+
+
+def test_methods_that_are_equally_good_stand_in_order_of_their_names() -> None:
+    names = [f"method-{k:02d}" for k in range(30)]
+    row = {"environment": "grid", "within": "0.1", "mean": "3.4", "low": "1.0", "high": "5.8", "n": "4"}
+    lines = _grids([{"method": name, **row} for name in names])
+    assert [line.split("`")[1] for line in lines[2:]] == names

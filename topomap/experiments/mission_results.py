@@ -161,9 +161,8 @@ def _grids(rows: Sequence[Mapping[str, str]]) -> list[str]:
     """One line a method: its mean errors by grid and distance."""
     columns = sorted({(r["environment"], r["within"]) for r in rows}, key=lambda c: (c[0], float(c[1] or "inf")))
     cells = {(r["method"], r["environment"], r["within"]): r for r in rows}
-    names = sorted(
-        {r["method"] for r in rows}, key=lambda n: float(cells.get((n, *columns[0]), {"mean": "inf"})["mean"])
-    )
+    every = sorted({r["method"] for r in rows})  # those that are equally good stand in order of their names
+    names = sorted(every, key=lambda n: float(cells.get((n, *columns[0]), {"mean": "inf"})["mean"]))
     lines = [_line(("method", *(f"{grid}, within {metres} m" for grid, metres in columns))), _rule(len(columns) + 1)]
     return lines + [_line((f"`{name}`", *(_mean(cells.get((name, *column))) for column in columns))) for name in names]
 
