@@ -15,9 +15,12 @@ from topomap.core.rig import Rig
 from topomap.vision.arena import central, spread
 from topomap.vision.contracts import Needs
 from topomap.vision.eye_level import _peak
+from topomap.vision.homing.did_moves import TrialMoves
 from topomap.vision.homing.equal_warping import EqualWarping, RingWarping
 from topomap.vision.homing.matched_filter import _upward
 from topomap.vision.image.landmarks import MarkerSpec, _runs, markers
+from topomap.vision.image.pixel_selection import selected
+from topomap.vision.matching.moment_potential import _gradient
 from topomap.vision.tilt.verticals import _fitted
 
 
@@ -97,3 +100,31 @@ def test_two_blank_views_tell_no_way_home(method: RingWarping | EqualWarping) ->
     home = method.home(view, view)
     assert (home.distance, home.confidence) == (None, 0.0)
     assert math.isfinite(home.bearing)
+
+
+@pytest.mark.parametrize("exponent", [1.0, 1.5, 3.0])
+def test_the_slope_of_a_moments_potential_is_its_derivative(exponent: float) -> None:
+    landmarks, weights = np.array([[1.0, 0.5], [-2.0, 1.0], [0.3, -1.5]]), np.array([1.0, 0.5, 2.0])
+
+    def potential(at: np.ndarray) -> float:
+        return float(weights @ np.hypot(*(at - landmarks).T) ** exponent)
+
+    at, step = np.array([0.2, -0.1]), 1e-6
+    slope = [(potential(at + d) - potential(at - d)) / (2 * step) for d in np.eye(2) * step]
+    assert _gradient(at, landmarks, weights, exponent) == pytest.approx(slope, rel=1e-5)
+
+
+def test_the_brightest_columns_of_the_horizon_are_selected() -> None:
+    view = blank()
+    view.image[:, [3, 50, 90]] = 200
+    view.image[:, 120] = 150
+    assert np.flatnonzero(selected(view, 3)).tolist() == [3, 50, 90]
+    assert np.flatnonzero(selected(view, 4)).tolist() == [3, 50, 90, 120]
+
+
+def test_trial_moves_go_to_the_least_difference_and_stay_where_none_is_less() -> None:
+    moves = TrialMoves("basic", 4)
+    assert moves.towards(np.array([5.0, 5.5, 4.9, 4.95, 6.0])) == pytest.approx((0.0, 1.0), abs=1e-12)
+    assert moves.towards(np.array([5.0, 5.0, 5.5, 6.0, 7.0])) == (0.0, 0.0)
+    assert TrialMoves("gradient", 2).towards(np.full(3, 5.0)) == (0.0, 0.0)
+    assert TrialMoves("gradient", 2).towards(np.array([5.0, 5.3, 4.6])) == pytest.approx((-0.6, 0.8))
