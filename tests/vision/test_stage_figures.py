@@ -37,10 +37,11 @@ from topomap.vision.image import (
     unwrap,
 )  # fmt: skip
 from topomap.vision.matching import (
+    difference_kernels,
+    dtw_kernels,
     equal_distance_search,
     image_flow,
     inhibition,
-    kernels,
     mask_scores,
     moment_potential,
     ring_flow,
@@ -152,10 +153,10 @@ def of_two(goal: Panorama, current: Panorama) -> Iterator[tuple[str, Callable[[]
     yield "image flow", partial(image_flow.fitted_image_flow, pictures[1], pictures[0])
     yield "ring flow", partial(ring_flow.fitted_flow, rings[1], rings[0], ring_flow.FlowSpec())
     yield "measured flow", partial(ring_flow.measured_flow, rings[1], rings[0], ring_flow.FlowSpec())
-    yield "dtw pairs", partial(kernels.dtw_pairs, rings[0], rings[1], 40)
-    yield "dtw path", partial(kernels.dtw_path, rings[0], rings[1], 25)
-    yield "blocks", partial(kernels.block_differences, rings[0], rings[1], 12, 5)
-    yield "rolled", partial(kernels.absolute_differences, rings[1], rings[0])
+    yield "dtw pairs", partial(dtw_kernels.dtw_pairs, rings[0], rings[1], 40)
+    yield "dtw path", partial(dtw_kernels.dtw_path, rings[0], rings[1], 25)
+    yield "blocks", partial(difference_kernels.block_differences, rings[0], rings[1], 12, 5)
+    yield "rolled", partial(difference_kernels.absolute_differences, rings[1], rings[0])
     yield "inverse scores", partial(mask_scores.inverse_scores, marks[1], marks[0], 0.8, 2)
     yield "scans", lambda: scan_match.match_scans(scans[0], scans[1], np.array([0.3, 0.1, 0.05]))
     yield "scans, seen", lambda: scan_match.match_scans(scans[0], scans[1], np.array([0.3, 0.1, 0.0]), scan_match.SEEN)

@@ -21,7 +21,7 @@ from topomap.vision.arena import Arena, bearings_home
 from topomap.vision.contracts import Needs
 from topomap.vision.homing.dtw import DynamicWarping, RingPair, matched_home
 from topomap.vision.image.ring import RingSpec
-from topomap.vision.matching.kernels import dtw_path
+from topomap.vision.matching.dtw_kernels import dtw_path
 from topomap.vision.matching.ring_flow import fitted_flow
 
 ROOM = "a1original"

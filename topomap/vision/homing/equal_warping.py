@@ -17,8 +17,8 @@ from topomap.vision.contracts import Needs, Origin
 from topomap.vision.image.ring import RingSpec, ring
 from topomap.vision.image.scale_planes import WARPING, WarpingSpec, WarpingView, warping_view
 from topomap.vision.matching.equal_distance_search import Steps, equal_search, found, tables
-from topomap.vision.matching.kernels import scale_planes
 from topomap.vision.matching.warping import best, rotations
+from topomap.vision.matching.warping_kernels import scale_planes
 
 STEPS = Steps()
 RING_144 = RingSpec(columns=144, bands=3, blur=2.0)

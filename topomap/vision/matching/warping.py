@@ -18,7 +18,7 @@ from topomap.core.errors import ShapeError
 from topomap.core.geometry import TAU, wrap
 from topomap.core.records import Alignment, HomeVector
 from topomap.vision.image.scale_planes import WarpingView
-from topomap.vision.matching.kernels import scale_planes, warping_search
+from topomap.vision.matching.warping_kernels import scale_planes, warping_search
 
 NOISE, CLEAR = 0.08, 0.35
 """How far the best direction's cost lies below the mean of all: unrelated views or noise, and a clear view.
