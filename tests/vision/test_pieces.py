@@ -21,6 +21,7 @@ from topomap.vision.homing.matched_filter import _upward
 from topomap.vision.image.landmarks import MarkerSpec, _runs, markers
 from topomap.vision.image.pixel_selection import selected
 from topomap.vision.matching.moment_potential import _gradient
+from topomap.vision.matching.warping import rotations
 from topomap.vision.tilt.verticals import _fitted
 
 
@@ -128,3 +129,12 @@ def test_trial_moves_go_to_the_least_difference_and_stay_where_none_is_less() ->
     assert moves.towards(np.array([5.0, 5.0, 5.5, 6.0, 7.0])) == (0.0, 0.0)
     assert TrialMoves("gradient", 2).towards(np.full(3, 5.0)) == (0.0, 0.0)
     assert TrialMoves("gradient", 2).towards(np.array([5.0, 5.3, 4.6])) == pytest.approx((-0.6, 0.8))
+
+
+def test_rotations_within_a_window_are_searched_and_all_where_it_is_as_wide() -> None:
+    column = TAU / 72
+    assert rotations(0.0, 3 * column, 72) == (-3, 7)
+    assert rotations(10 * column, 2.5 * column, 72) == (7, 7)
+    assert rotations(0.0, 34.5 * column, 72) == (-35, 71)
+    assert rotations(0.0, 34.5 * column, 71) == (0, 71)
+    assert rotations(None, 3 * column, 72) == (0, 72)
