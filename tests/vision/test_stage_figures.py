@@ -16,6 +16,7 @@ from topomap.core.panorama import Panorama
 from topomap.core.rig import Rig
 from topomap.vision import arena, eye_level
 from topomap.vision.homing import dp_warping, matched_filter, view_vector
+from topomap.vision.homing.auto import Auto
 from topomap.vision.image import (
     aligned_difference,
     colour_features,
@@ -165,6 +166,10 @@ def of_two(goal: Panorama, current: Panorama) -> Iterator[tuple[str, Callable[[]
     yield "eye level", partial(eye_level.eye_level, [(current, goal, 0.0)] * 2)
     yield "pixels", partial(pixel_selection.landmark_count, *(one.image.mean(axis=(0, 2)) for one in (current, goal)))
     yield "inhibited", _inhibited
+    few, bare = Auto(points=1e9), [dataclasses.replace(one, ranges=None) for one in (current, goal)]
+    yield "auto", lambda: [few.answer(current.rolled(turn), goal) for turn in (0, 41, 137)]
+    yield "auto, prior", lambda: [few.answer(current.rolled(turn), goal, 0.2) for turn in (0, 41)]
+    yield "auto, images", lambda: [few.answer(bare[0].rolled(turn), bare[1]) for turn in (0, 137)]
     yield "rigid fit", lambda: moment_potential.rigid_fit(*(moment_potential.points(one[131:]) for one in scans))
     yield "bearings", lambda: arena.bearings_home(np.random.default_rng(2).random((6, 2)), (0.3, 0.2))
     yield "view vector", lambda: [view_vector.vector_home(0.3, -0.2, 9.0, 0.4, metric) for metric in (False, True)]
