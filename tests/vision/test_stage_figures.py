@@ -125,6 +125,9 @@ def of_one(panorama: Panorama) -> Iterator[tuple[str, Callable[[], object]]]:
         "mirror",
         lambda: unwrap.fit_mirror(unwrap.wrap_up(panorama, unwrap.MirrorRig(150, 118, 29, 106, 2.1), (236, 310))),
     )
+    grey = panorama.image.mean(axis=2).astype(np.float32)
+    for x, y in ((grey.shape[1] - 26.0, 50.0), (180.0, len(grey) - 21.5), (31.0, 50.0), (180.0, 23.0)):
+        yield f"rings about {x:g}, {y:g}", partial(unwrap._profile, grey, x, y)
     yield "arena", lambda: arena.spread(np.random.default_rng(1).random((30, 2)), (0.5, 0.4), 6)
 
 
