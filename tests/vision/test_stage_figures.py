@@ -15,7 +15,7 @@ from kept import as_before
 from topomap.core.panorama import Panorama
 from topomap.core.rig import Rig
 from topomap.vision import arena, eye_level
-from topomap.vision.homing import dp_warping, matched_filter, view_vector
+from topomap.vision.homing import avoiding, dp_warping, matched_filter, view_vector
 from topomap.vision.homing.auto import Auto
 from topomap.vision.image import (
     aligned_difference,
@@ -116,6 +116,7 @@ def of_one(panorama: Panorama) -> Iterator[tuple[str, Callable[[], object]]]:
     yield "scale planes", partial(scale_planes.warping_view, panorama, scale_planes.WarpingSpec())
     yield "three phases", partial(scale_planes.warping_view, panorama, scale_planes.WarpingSpec(24, 12, 3, 2))
     yield "seam", lambda: seam.seam(np.random.default_rng(0).random((12, 40)), 0.3, 0.8)
+    yield "repulsion", lambda: [avoiding.repulsion(panorama, near) for near in (0.8, 2.0, 4.0)]
     yield "skyline", partial(skyline.skyline, panorama)
     yield "surroundings", lambda: surroundings.surroundings(panorama).spectra
     yield "lean", partial(verticals.lean_of, upright.upright(panorama, Lean(-0.03, 0.04)))
