@@ -8,8 +8,8 @@ from typing import ClassVar
 import numpy as np
 from matplotlib.axes import Axes
 
-from topomap.bench.homing.bench import Row
 from topomap.bench.homing.contestant import Pairwise, view_at
+from topomap.bench.homing.rows import Row
 from topomap.bench.homing.table import JsonValue
 from topomap.core.arrays import Float32Array, FloatArray
 from topomap.core.geometry import TAU, wrap_all
