@@ -15,9 +15,11 @@ from topomap.core.rig import Rig
 from topomap.vision.arena import central, spread
 from topomap.vision.contracts import Needs
 from topomap.vision.eye_level import _peak
+from topomap.vision.homing.convergence_point import ConvergencePoint
 from topomap.vision.homing.did_moves import TrialMoves
 from topomap.vision.homing.equal_warping import EqualWarping, RingWarping
 from topomap.vision.homing.matched_filter import _upward
+from topomap.vision.homing.view_vector import ViewVector
 from topomap.vision.image.landmarks import MarkerSpec, _runs, markers
 from topomap.vision.image.pixel_selection import selected
 from topomap.vision.matching.moment_potential import _gradient
@@ -138,3 +140,10 @@ def test_rotations_within_a_window_are_searched_and_all_where_it_is_as_wide() ->
     assert rotations(0.0, 34.5 * column, 72) == (-35, 71)
     assert rotations(0.0, 34.5 * column, 71) == (0, 71)
     assert rotations(None, 3 * column, 72) == (0, 72)
+
+
+@pytest.mark.parametrize(("apart", "sure"), [(1.9e-3, False), (2.1e-3, True), (2.9e-3, True)])
+def test_convergence_points_nearer_than_both_are_off_tell_no_way(apart: float, sure: bool) -> None:
+    rig = Rig()
+    home = ConvergencePoint(1.5).home(ViewVector(0.0, apart, 1.0, rig), ViewVector(0.0, 0.0, 1.0, rig))
+    assert (home.confidence > 0.0) == sure
