@@ -23,6 +23,7 @@ from topomap.vision.homing.view_vector import ViewVector
 from topomap.vision.image.landmarks import MarkerSpec, _runs, markers
 from topomap.vision.image.pixel_selection import selected
 from topomap.vision.matching.moment_potential import _gradient
+from topomap.vision.matching.scan_search import _turns
 from topomap.vision.matching.warping import rotations
 from topomap.vision.tilt.verticals import _fitted
 
@@ -147,3 +148,11 @@ def test_convergence_points_nearer_than_both_are_off_tell_no_way(apart: float, s
     rig = Rig()
     home = ConvergencePoint(1.5).home(ViewVector(0.0, apart, 1.0, rig), ViewVector(0.0, 0.0, 1.0, rig))
     assert (home.confidence > 0.0) == sure
+
+
+def test_scans_are_tried_in_turns_a_step_apart_within_a_window_and_two_around_the_circle() -> None:
+    assert _turns(0.5, 0.25, 0.1) == pytest.approx([0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8])
+    assert _turns(0.5, 0.0, 0.1) == [0.5]
+    around = _turns(0.5, math.pi, 0.13)
+    assert (around[0], len(around)) == (0.0, 25)
+    assert np.diff(around) == pytest.approx(TAU / 25)

@@ -177,6 +177,10 @@ def of_two(goal: Panorama, current: Panorama) -> Iterator[tuple[str, Callable[[]
     yield "scans, seen", lambda: scan_match.match_scans(scans[0], scans[1], np.array([0.3, 0.1, 0.0]), scan_match.SEEN)
     yield "scan search", partial(scan_search.places, scans[0], scans[1], 0.0, math.pi, scan_search.SearchSpec())
     yield "scan search, prior", partial(scan_search.places, scans[0], scans[1], 0.1, 0.3, scan_search.SearchSpec())
+    rays = [scan_search._points(one, 72) for one in scans]
+    table, offsets = scan_search._table(rays[0], 0.25), np.arange(-4.0, 5.0) * 0.25
+    yield "scan table", lambda: [rays, table]
+    yield "scan scores", lambda: scan_search._scores(table, rays[1], offsets, 0.25)
     yield "eye level", partial(eye_level.eye_level, [(current, goal, 0.0)] * 2)
     yield "pixels", partial(pixel_selection.landmark_count, *(one.image.mean(axis=(0, 2)) for one in (current, goal)))
     yield "inhibited", _inhibited
