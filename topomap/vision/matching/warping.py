@@ -121,6 +121,13 @@ def best(found: WarpingCost) -> Alignment:
     return Alignment(rotation, least / found.level if found.level > 1e-9 else 1.0, home, refined is not None)
 
 
+def least_home(found: WarpingCost) -> HomeVector:
+    """Return the home vector of the least cost: there is always one, of confidence 0 where nothing is told."""
+    home = best(found).home
+    assert home is not None
+    return home
+
+
 _GRID = np.array([(a, t) for a in (-1.0, 0.0, 1.0) for t in (-1.0, 0.0, 1.0)])
 _DESIGN = np.column_stack([np.ones(9), _GRID, _GRID**2, _GRID[:, 0] * _GRID[:, 1]])
 _SOLVE: FloatArray = np.linalg.pinv(_DESIGN)
