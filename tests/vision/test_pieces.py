@@ -20,6 +20,7 @@ from topomap.vision.homing.did_moves import TrialMoves
 from topomap.vision.homing.equal_warping import EqualWarping, RingWarping
 from topomap.vision.homing.matched_filter import _upward
 from topomap.vision.homing.view_vector import ViewVector
+from topomap.vision.image.distances import fitted_coefficients, polynomial
 from topomap.vision.image.landmarks import MarkerSpec, _runs, markers
 from topomap.vision.image.pixel_selection import selected
 from topomap.vision.matching.moment_potential import _gradient
@@ -156,3 +157,12 @@ def test_scans_are_tried_in_turns_a_step_apart_within_a_window_and_two_around_th
     around = _turns(0.5, math.pi, 0.13)
     assert (around[0], len(around)) == (0.0, 25)
     assert np.diff(around) == pytest.approx(TAU / 25)
+
+
+def test_the_fitted_cubic_is_the_floors_distance_and_nothing_where_there_is_no_floor() -> None:
+    rig = Rig()
+    rows = np.array([70.0, 80.0, 95.0])
+    told = polynomial(rig.height - 0.5 - rows, *fitted_coefficients(rig))
+    assert told == pytest.approx(rig.camera_height * rig.focal / (rows - rig.horizon_row), rel=0.1)
+    assert fitted_coefficients(replace(rig, horizon_row=rig.height - 1.0)) == (0.0, 0.0, 0.0, 0.0)
+    assert polynomial(np.array([2.0])) == pytest.approx([0.1 + 0.1 + 4 * 0.000143 + 8 * 0.0000018])
