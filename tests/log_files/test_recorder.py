@@ -89,6 +89,14 @@ def test_the_header_reads_back_equal(tmp_path: Path) -> None:
         assert reader.complete
 
 
+def test_a_log_of_another_format_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("logs.header.FORMAT", "2")
+    write_log(tmp_path / "run.mcap", 1)
+    monkeypatch.undo()
+    with pytest.raises(LogError, match=r"run.mcap: its header can't be read \(log format 2, this version reads 1\)"):
+        LogReader(tmp_path / "run.mcap")
+
+
 def test_records_and_stamps_read_back_in_order(tmp_path: Path) -> None:
     steps = write_log(tmp_path / "run.mcap", 12, chunk_size=4096)
     with LogReader(tmp_path / "run.mcap") as reader:
