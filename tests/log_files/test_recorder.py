@@ -11,8 +11,8 @@ from log_samples import EPOCH, STEP, header, jpeg, odometry, write_log, write_st
 from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
 
+from logs import mcap_file, topics
 from logs import records as log
-from logs import topics
 from logs.config import LogConfig
 from logs.errors import LogError
 from logs.info import info
@@ -126,6 +126,18 @@ def test_same_input_same_bytes(tmp_path: Path) -> None:
     for name in ("a", "b"):
         write_log(tmp_path / name, 5)
     assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes()
+
+
+def test_only_chunks_of_the_wanted_time_are_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write_log(tmp_path / "run.mcap", 20, chunk_size=1)
+    read: list[int] = []
+    chunk = mcap_file._chunk
+    monkeypatch.setattr(mcap_file, "_chunk", lambda file, at, budget: read.append(at) or chunk(file, at, budget))
+    low, high = EPOCH + 5 * STEP, EPOCH + 7 * STEP
+    with LogReader(tmp_path / "run.mcap") as reader:
+        found = [item.stamp_ns for item in reader.file.items([topics.ODOMETRY], low, high)]
+    assert found == [low, low + STEP, high]
+    assert len(read) == 3
 
 
 def test_close_twice_and_attach(tmp_path: Path) -> None:
