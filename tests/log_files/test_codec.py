@@ -15,6 +15,7 @@ from logs import records as log
 from logs.errors import LogError
 from logs.schemas.codec import RECORDS, decode, encode
 from logs.schemas.descriptor import Shape, _shape, proto_text
+from logs.schemas.wire import too_many_fields
 
 floats = st.floats(allow_nan=False)
 int64 = st.integers(-(2**63), 2**63 - 1)
@@ -91,6 +92,15 @@ def test_a_field_is_one_value_several_or_maybe_none() -> None:
     assert _shape("a", log.Pose | None) == Shape("a", log.Pose, True, optional=True)
     assert _shape("a", Optional[int]) == Shape("a", int, False, optional=True)  # noqa: UP045 as older code writes it
     assert _shape("a", tuple[log.Pose, ...]) == Shape("a", log.Pose, True, repeated=True)
+
+
+def test_values_are_counted_before_they_are_made() -> None:
+    fixed, half = bytes([1 << 3 | 1]) + bytes(8), bytes([2 << 3 | 5]) + bytes(4)
+    several = bytes([3 << 3 | 2, 3, 200, 200, 200])
+    message = fixed + half + several + bytes([4 << 3, 200, 1])
+    assert not too_many_fields(message, 4)
+    assert too_many_fields(message, 3)
+    assert not too_many_fields(message[:-1], 3)  # cut off: left to the decoder
 
 
 def test_the_committed_proto_is_what_the_records_say() -> None:
