@@ -14,7 +14,7 @@ import logs.schemas
 from logs import records as log
 from logs.errors import LogError
 from logs.schemas.codec import RECORDS, decode, encode
-from logs.schemas.descriptor import Shape, _shape, proto_text
+from logs.schemas.descriptor import Shape, _shape, file_descriptor, proto_text, shapes
 from logs.schemas.wire import too_many_fields
 
 floats = st.floats(allow_nan=False)
@@ -92,6 +92,13 @@ def test_a_field_is_one_value_several_or_maybe_none() -> None:
     assert _shape("a", log.Pose | None) == Shape("a", log.Pose, True, optional=True)
     assert _shape("a", Optional[int]) == Shape("a", int, False, optional=True)  # noqa: UP045 as older code writes it
     assert _shape("a", tuple[log.Pose, ...]) == Shape("a", log.Pose, True, repeated=True)
+
+
+def test_a_scalar_that_may_be_none_stands_in_a_oneof_of_its_own() -> None:
+    for record, message in zip(RECORDS, file_descriptor(RECORDS).message_type, strict=True):
+        maybe = [shape.name for shape in shapes(record) if shape.optional and not shape.nested]
+        assert [one.name for one in message.oneof_decl] == [f"_{name}" for name in maybe]
+        assert [field.name for field in message.field if field.proto3_optional] == maybe
 
 
 def test_values_are_counted_before_they_are_made() -> None:
