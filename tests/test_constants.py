@@ -64,11 +64,16 @@ def arguments(function: object) -> Iterator[tuple[str, object]]:
 
 
 def flat(value: object) -> list[float] | None:
-    """Return the numbers of a number, an array, a tuple or a dict, None where it holds anything else."""
+    """Return the numbers of a number, an array, a tuple or a dict, None where it holds anything else; of a record or of
+    settings the numbers that there are.
+    """
     if isinstance(value, (bool, int, float)):
         return [float(value)]
     if isinstance(value, np.ndarray) and value.dtype.kind in "fiu":
         return [float(one) for one in value.ravel()]
+    if not isinstance(value, type) and (is_dataclass(value) or isinstance(value, BaseModel)):
+        names = list(type(value).model_fields) if isinstance(value, BaseModel) else [f.name for f in fields(value)]
+        return [one for name in names for one in flat(getattr(value, name)) or ()] or None
     if isinstance(value, dict):
         value = tuple(value.items())
     if isinstance(value, tuple) and value:

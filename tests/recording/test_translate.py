@@ -48,7 +48,7 @@ from topomap.recording import true_nodes
 from topomap.recording.encode import run_header
 from topomap.recording.recorder import FinalMap, MapNow, RunRecorder
 from topomap.recording.run_reader import PartialLogWarning, load_run
-from topomap.recording.true_nodes import read_truths
+from topomap.recording.true_nodes import parse_truths, read_truths
 
 EPOCH, STEP, STEPS = 1_700_000_000_000_000_000, 250_000_000, 30
 STATE = CalibrationState(Estimate(1.04, 0.01, True), Estimate(1.0, 0.2, False), Estimate(0.003, 0.001, True))
@@ -174,7 +174,7 @@ def _truth(step: int) -> SomeTruth:
     return SomeTruth(_stamp(step), 1.0 + 0.1 * step, 2.0, 1 / 3 - step)
 
 
-def _write(path: Path, finish: bool = True) -> None:
+def _write(path: Path, finish: bool = True, final: FinalMap | None = None) -> None:
     header = run_header(
         "room",
         SomeRig(),
@@ -190,7 +190,7 @@ def _write(path: Path, finish: bool = True) -> None:
         for step in range(STEPS):
             run.observe(_reading(step), _record(step), _truth(step))
         if finish:
-            run.finish(_final())
+            run.finish(final or _final())
             run.attach("map.zip", "application/zip", b"the map")
 
 
@@ -375,12 +375,27 @@ def test_a_cut_off_run_falls_back_on_what_was_believed(tmp_path: Path) -> None:
     np.testing.assert_array_equal(run.final, run.online)
     assert (run.graph_hash, run.edges, run.claimed, run.goal_node) == ("", (), None, None)
     assert [node.node for node in run.nodes] == [0]
+    assert run.first_closure == ()
 
 
 def test_an_unfinished_journey_was_not_claimed(tmp_path: Path) -> None:
     _write(tmp_path / "run.mcap", finish=False)
     run = load_run(tmp_path / "run.mcap")
     assert (run.claimed, run.goal_node, run.calibration) == (False, 0, STATE)
+
+
+def test_the_goal_that_the_end_names_is_the_goal(tmp_path: Path) -> None:
+    for said, goal in ((1, 1), (None, 0)):
+        _write(tmp_path / "run.mcap", final=replace(_final(), goal_node=said))
+        assert load_run(tmp_path / "run.mcap").goal_node == goal
+
+
+def test_true_poses_are_those_under_the_right_columns() -> None:
+    found = parse_truths("node,x_m,y_m,heading_rad\n3,1.5,2,0.25\n4,nan,0,0\n", "a.csv")
+    assert found == {3: (1.5, 2.0, 0.25)}
+    for text in ("node,x_m,heading_rad,y_m\n3,1,2,3\n", "3,1,2,3\n", "", "node,x_m,y_m,heading_rad\n3,1,2\n"):
+        with pytest.raises(DataError, match=r"a.csv: not the true poses of a map"):
+            parse_truths(text, "a.csv")
 
 
 def test_what_is_no_log_is_a_data_error(tmp_path: Path) -> None:

@@ -178,5 +178,5 @@ def matched_home(there: FloatArray, here: FloatArray, cost: float) -> HomeVector
     """Return the home vector (5.15, 5.16) of matched goal and current bearings (M,) [rad]; cost: as in `Match`."""
     x = float(np.sum(np.cos(here) - np.cos(there))) / len(there)
     y = float(np.sum(np.sin(here) - np.sin(there))) / len(there)
-    sure = min(max(1.0 - cost, 0.0), 1.0) if math.hypot(x, y) > 1e-6 else 0.0
+    sure = max(1.0 - cost, 0.0) if math.hypot(x, y) > 1e-6 else 0.0
     return HomeVector(math.atan2(y, x), None, sure)
