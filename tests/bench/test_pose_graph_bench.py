@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from graphs import ring_graph
 
-from topomap.bench.pose_graphs.bench import OURS, Design, bench
+from topomap.bench.pose_graphs.bench import OURS, Design, Row, bench
 from topomap.bench.pose_graphs.clean import bridged, clean_optimum
 from topomap.bench.pose_graphs.injection import inject
+from topomap.bench.pose_graphs.kept import KEPT, kept_rows, rows_of
 from topomap.bench.pose_graphs.table import Cell, cells, texts, to_csv, to_json
 from topomap.bench.pose_graphs.targets import shortfalls
 from topomap.core.arrays import FloatArray
@@ -49,9 +51,13 @@ def design(**changes: object) -> Design:
     return replace(Design(kinds=["random"], shares=[0.5], seeds=[0], peers=[]), **changes)
 
 
+def of(cells: Iterable[tuple[Row, ...]]) -> list[Row]:
+    return [row for made in cells for row in made]
+
+
 def test_bench_keeps_no_false_one_and_beats_odometry() -> None:
     graph, _ = drive()
-    rows = list(bench(graph, design(shares=[0.0, 0.5], peers=["Huber"])))
+    rows = of(bench(graph, design(shares=[0.0, 0.5], peers=["Huber"])))
     ours = [row for row in rows if row.method == OURS]
     assert [row.kept_false for row in ours] == [0, 0]
     assert min(row.recall for row in ours) >= 0.8
@@ -64,6 +70,18 @@ def test_bench_keeps_no_false_one_and_beats_odometry() -> None:
     assert whole["short"] == ["a line"]
     assert to_csv(rows).count("\n") == 5
     assert to_csv(rows).startswith("graph,kind,false_share,method,")
+
+
+def test_rows_are_kept_as_lines_with_odometry_beside_them_and_read_again() -> None:
+    rows = of(bench(drive()[0], design(peers=["GNC"], limit=1e-4)))
+    lines = [dict(zip(KEPT, line, strict=True)) for line in kept_rows(rows, 0.5)]
+    told = [(line["contestant"], line["stopped"], line["limit [s]"], line["recall"]) for line in lines]
+    assert told == [("topomap", "no", "", "1.00000"), ("odometry", "no", "", "0.00000"), ("GNC", "yes", "0.5", "-")]
+    assert lines[1]["ATE [m]"] == lines[0]["odometry [m]"] != lines[0]["ATE [m]"]
+    for row, again in zip(rows, rows_of(lines), strict=True):
+        same = dict.fromkeys(("ate_m", "odometry_ate_m", "seconds", "building_seconds"), 0.0)
+        assert replace(row, **same) == replace(again, **same)
+        assert row.ate_m is again.ate_m is None or again.ate_m == pytest.approx(row.ate_m, abs=1e-4)
 
 
 def test_what_there_is_not_is_refused() -> None:
@@ -82,7 +100,7 @@ def test_without_false_closures_kind_and_seed_change_nothing() -> None:
 
 def test_a_peer_that_takes_too_long_is_stopped_and_says_so() -> None:
     graph, _ = drive()
-    rows = list(bench(graph, design(peers=["GNC", "DCS"], limit=1e-4)))
+    rows = of(bench(graph, design(peers=["GNC", "DCS"], limit=1e-4)))
     assert [(row.method, row.stopped) for row in rows] == [(OURS, False), ("GNC", True), ("DCS", True)]
     assert rows[1].recall is None
     assert rows[1].ate_m is None

@@ -5,6 +5,7 @@ from __future__ import annotations
 import multiprocessing
 import time
 from multiprocessing.connection import Connection
+from multiprocessing.context import SpawnProcess
 from typing import NamedTuple
 
 import numpy as np
@@ -35,22 +36,29 @@ class PeerProcess:
     def __init__(self, limit: float) -> None:
         self._limit = limit
         self._context = multiprocessing.get_context("spawn")
+        self._process: SpawnProcess | None = None
 
     def __enter__(self) -> PeerProcess:
+        return self
+
+    def _start(self) -> None:
         self._here, there = self._context.Pipe()
         self._process = self._context.Process(target=_serve, args=(there,), daemon=True)
         self._process.start()
         there.close()
         self._here.recv()  # it has imported all it needs: that isn't the peer's time
-        return self
 
     def __exit__(self, *_: object) -> None:
-        self._process.kill()
-        self._process.join()
-        self._here.close()
+        if self._process is not None:
+            self._process.kill()
+            self._process.join()
+            self._here.close()
+            self._process = None
 
     def run(self, method: str, graph: PoseGraph) -> MethodRun:
         """Return what the peer makes of the graph; a stopped or failed one takes nothing for true."""
+        if self._process is None:
+            self._start()
         self._here.send((method, graph))
         building, begin = 0.0, time.perf_counter()
         try:
@@ -64,7 +72,6 @@ class PeerProcess:
             stopped = False
         seconds = time.perf_counter() - begin
         self.__exit__()
-        self.__enter__()
         return _nothing(graph, seconds, building, stopped)
 
 
