@@ -79,7 +79,7 @@ def test_rows_are_kept_as_lines_with_odometry_beside_them_and_read_again() -> No
     assert told == [("topomap", "no", "", "1.00000"), ("odometry", "no", "", "0.00000"), ("GNC", "yes", "0.5", "-")]
     assert lines[1]["ATE [m]"] == lines[0]["odometry [m]"] != lines[0]["ATE [m]"]
     for row, again in zip(rows, rows_of(lines), strict=True):
-        same = dict.fromkeys(("ate_m", "odometry_ate_m", "seconds", "building_seconds"), 0.0)
+        same = dict.fromkeys(("ate_m", "odometry_ate_m", "seconds", "cpu_seconds", "building_seconds"), 0.0)
         assert replace(row, **same) == replace(again, **same)
         assert row.ate_m is again.ate_m is None or again.ate_m == pytest.approx(row.ate_m, abs=1e-4)
 
@@ -135,7 +135,7 @@ def cell(method: str, **changes: object) -> Cell:
     whole = Cell(
         graph="g", kind="random", false_share=0.5, method=method, runs=3, stopped=0, precision_min=1.0,
         kept_false_max=0, recall_mean=1.0, recall_min=1.0, ate_m_mean=0.2, ate_m_max=0.2, odometry_ate_m=1.0,
-        seconds_mean=1.0, seconds_max=1.0, building_seconds_mean=0.0,
+        seconds_mean=1.0, seconds_max=1.0, cpu_seconds_mean=1.0, building_seconds_mean=0.0,
     )  # fmt: skip
     return replace(whole, **changes)
 

@@ -19,6 +19,7 @@ class MethodRun(NamedTuple):
     """What one method makes of a graph.
 
     poses (N, 3), NaN if it failed; inlier (M,): the closures that it takes for true; seconds [s]: its optimising alone;
+    cpu_seconds [s]: the processor's time for it, which is about the same when the machine is busy with other things;
     building_seconds [s]: making gtsam's graph, which is done factor by factor from Python and isn't the method's fault;
     whether it was stopped.
     """
@@ -26,6 +27,7 @@ class MethodRun(NamedTuple):
     poses: FloatArray
     inlier: BoolArray
     seconds: float
+    cpu_seconds: float
     building_seconds: float
     stopped: bool
 
@@ -77,7 +79,7 @@ class PeerProcess:
 
 def _nothing(graph: PoseGraph, seconds: float, building: float, stopped: bool) -> MethodRun:
     nowhere = np.full((graph.nodes, 3), np.nan)
-    return MethodRun(nowhere, np.zeros(len(graph.i), np.bool_), seconds, building, stopped)
+    return MethodRun(nowhere, np.zeros(len(graph.i), np.bool_), seconds, seconds, building, stopped)
 
 
 def _serve(there: Connection) -> None:
@@ -88,11 +90,11 @@ def _serve(there: Connection) -> None:
         built = PEERS[method].build(graph)
         building = time.perf_counter() - begin
         there.send(building)
-        begin = time.perf_counter()
+        begin, worked = time.perf_counter(), time.process_time()
         try:
             found = PEERS[method].solve(built, graph.nodes)
-            seconds = time.perf_counter() - begin
-            run = MethodRun(*inliers(graph, found), seconds, building, False)
+            seconds, cpu = time.perf_counter() - begin, time.process_time() - worked
+            run = MethodRun(*inliers(graph, found), seconds, cpu, building, False)
         except RuntimeError:  # gtsam gives up on an indeterminate system: a result of the peer, not an error of ours
             run = _nothing(graph, time.perf_counter() - begin, building, stopped=False)
         there.send(run)
