@@ -14,6 +14,7 @@ from topomap.bench.pose_graphs.bench import OURS, Design, Row, bench
 from topomap.bench.pose_graphs.clean import bridged, clean_optimum
 from topomap.bench.pose_graphs.injection import inject
 from topomap.bench.pose_graphs.kept import KEPT, kept_rows, rows_of
+from topomap.bench.pose_graphs.overview import overview
 from topomap.bench.pose_graphs.table import Cell, cells, texts, to_csv, to_json
 from topomap.bench.pose_graphs.targets import shortfalls
 from topomap.core.arrays import FloatArray
@@ -82,6 +83,19 @@ def test_rows_are_kept_as_lines_with_odometry_beside_them_and_read_again() -> No
         same = dict.fromkeys(("ate_m", "odometry_ate_m", "seconds", "cpu_seconds", "building_seconds"), 0.0)
         assert replace(row, **same) == replace(again, **same)
         assert row.ate_m is again.ate_m is None or again.ate_m == pytest.approx(row.ate_m, abs=1e-4)
+
+
+def test_the_overview_tells_the_worst_of_each_contestant() -> None:
+    one = of(bench(drive()[0], design(peers=["DCS"])))
+    worse = [replace(row, seed=1, recall=0.5, precision=0.9, ate_m=7.0, cpu_seconds=3.0) for row in one]
+    ours, peer = one[0], replace(one[1], precision=0.95, recall=0.75, ate_m=1.5)
+    rows = [replace(ours, cpu_seconds=1.0), replace(peer, cpu_seconds=2.0), worse[0], replace(worse[1], stopped=True)]
+    headings, lines = overview([*rows, replace(ours, kind="close", false_share=0.9)])
+    assert headings[5:] == (OURS, "DCS", "CPU [s], topomap / DCS")
+    assert lines[0][1:4] == ("random", "50%", "2")
+    assert lines[0][5:] == ("0.9000 / 0.500 / 7.000", "0.9500 / 0.750 / 1.500, 1 of 2 stopped", "2.00 / 2.00")
+    assert lines[1][1:4] == ("close", "90%", "1")
+    assert lines[1][6] == "not run"
 
 
 def test_what_there_is_not_is_refused() -> None:

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import typer
 
 from topomap.cli.bench_commands import KEEP, OUT, benches
 from topomap.cli.console import console, grid, show_wide
+
+if TYPE_CHECKING:
+    from topomap.bench.pose_graphs.bench import Row
 
 
 def add_to(app: typer.Typer) -> None:
@@ -34,7 +38,7 @@ def graphs(
     from topomap.app import graph_bench
     from topomap.app.words import parse_names, parse_seeds, parse_shares
     from topomap.bench.pool import Store, default_folder
-    from topomap.bench.pose_graphs.bench import Design, Row
+    from topomap.bench.pose_graphs.bench import Design
     from topomap.bench.pose_graphs.injection import KINDS
     from topomap.bench.pose_graphs.kept import KEPT, KEYS, kept_rows
     from topomap.bench.pose_graphs.table import HEADINGS, cells, texts
@@ -60,7 +64,22 @@ def graphs(
     for cell in cells(rows):
         shown.add_row(*texts(cell))
     show_wide(shown)
-    for line in graph_bench.short(rows):
+    for line in graph_bench.short(rows if keep is None else _show_kept(keep)):
         console.print(f"falls short: {line}", soft_wrap=True, markup=False)
     for path in written:
         console.print(str(path), soft_wrap=True)
+
+
+def _show_kept(keep: Path) -> list[Row]:
+    """Show the worst of all that a file of figures holds, a line a graph and kind; return its rows."""
+    from topomap.bench.pose_graphs.kept import rows_of
+    from topomap.bench.pose_graphs.overview import overview
+    from topomap.experiments.results import read_results
+
+    rows = rows_of(read_results(keep).rows)
+    headings, lines = overview(rows)
+    shown = grid(f"worst of all in {keep}: precision / recall / ATE [m]", headings)
+    for line in lines:
+        shown.add_row(*line)
+    show_wide(shown)
+    return rows
