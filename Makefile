@@ -38,7 +38,7 @@ KEEP := --keep docs/results
 DISTURBED := "turned,moved,carried,carried late,blind ranges,dead odometry,very noisy odometry"
 ROOMS := a1original,screen,arboreal,hall1,ourlab,cylinders
 
-results: $(VENV)/.test ## the figures of docs/results, docs/THESIS.md and docs/ROBUST.md anew: hours; GRIDS=folders of panoramas
+results: $(VENV)/.test ## the figures of docs/results, docs/THESIS.md and docs/ROBUST.md anew: hours; GRIDS=folders of panoramas, TOPOMAP_DATA=recorded data
 	for c in given A6; do $(BIN)/topomap bench homing --env $(ROOMS) --seeds 0-4 --every 16 --compass $$c \
 		--starts 0 --no-pictures $(KEEP)/homing.csv || exit 1; done
 	for g in $(GRIDS); do for w in 0.1 0.3 0.5 0.7; do $(BIN)/topomap bench homing --grid $$g --within $$w \
@@ -55,6 +55,9 @@ results: $(VENV)/.test ## the figures of docs/results, docs/THESIS.md and docs/R
 	$(BIN)/topomap bench journeys --worlds office-loop --seeds 20-24 --kinds $(DISTURBED) $(KEEP)/journeys.csv
 	$(BIN)/topomap bench journeys --worlds office-loop --seeds 20-24 --kinds $(DISTURBED) \
 		--set stack.mapper.snapshots.view=90x12x4 $(KEEP)/journeys.csv
+	$(BIN)/topomap bench graphs --graphs CSAIL,intel --peers DCS,GNC,Huber --limit 20 $(KEEP)/graphs.csv
+	$(BIN)/topomap bench graphs --graphs manhattanOlson3500 --peers DCS --limit 60 $(KEEP)/graphs.csv
+	$(BIN)/topomap bench graphs --graphs w10000 --peers none --seeds 0 $(KEEP)/graphs.csv
 	$(BIN)/python -m tests.fuzz $(KEEP)/fuzz.csv
 	$(BIN)/python -m tests.mutation --named
 	$(BIN)/python -m tests.mutation --sample 150 --out docs/results/mutation.json

@@ -13,8 +13,12 @@ from topomap.app.graph_bench import find_graph
 from topomap.app.views import WorldViews, world_arena, world_recipe
 from topomap.bench.homing.bench import BenchSettings
 from topomap.bench.pool import Store
+from topomap.bench.pose_graphs.bench import OURS
 from topomap.cli.main import app
 from topomap.core.errors import DataError, TopomapError
+from topomap.experiments.results import read_results
+from topomap.mapping.graph_engine import GraphVerdicts, optimise_graph
+from topomap.mapping.pose_graph import PoseGraph
 
 
 @pytest.fixture(scope="module")
@@ -149,6 +153,29 @@ def test_bench_graphs_writes_table_and_a_picture_a_kind(tmp_path: Path) -> None:
     assert result.output.count("falls short: ") == len(whole["short"])
     for line in whole["short"]:
         assert f"falls short: {line}" in result.output
+
+
+def test_bench_graphs_that_is_interrupted_keeps_its_rows_and_goes_on(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("TOPOMAP_CACHE", str(tmp_path / "cache"))
+    (tmp_path / "own.g2o").write_text(ring_text(ring_graph(laps=2, false=0)))
+    kept, asked = tmp_path / "graphs.csv", []
+    words = ["bench", "graphs", "--graphs", str(tmp_path / "own.g2o"), "--kinds", "random", "--shares", "0,.5,.8",
+             "--seeds", "0", "--peers", "none", "--out", str(tmp_path / "out"), "--keep", str(kept)]  # fmt: skip
+
+    def interrupted(graph: PoseGraph) -> GraphVerdicts:
+        asked.append(len(graph.i))
+        if len(asked) == 2:
+            raise KeyboardInterrupt
+        return optimise_graph(graph)
+
+    monkeypatch.setattr("topomap.bench.pose_graphs.bench.optimise_graph", interrupted)
+    assert CliRunner().invoke(app, words).exit_code != 0
+    assert [(row["share"], row["contestant"]) for row in read_results(kept).rows] == [("0", OURS), ("0", "odometry")]
+    assert CliRunner().invoke(app, words).exit_code == 0
+    assert len(asked) == 4  # one, the interrupted one again, and the last
+    assert [row["share"] for row in read_results(kept).rows if row["contestant"] == OURS] == ["0", "0.5", "0.8"]
 
 
 @pytest.mark.parametrize(

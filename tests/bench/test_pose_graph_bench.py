@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from graphs import ring_graph
 
-from topomap.bench.pose_graphs.bench import OURS, Design, bench
+from topomap.bench.pose_graphs.bench import OURS, Design, Row, bench
 from topomap.bench.pose_graphs.clean import bridged, clean_optimum
 from topomap.bench.pose_graphs.injection import inject
+from topomap.bench.pose_graphs.kept import KEPT, kept_rows, rows_of
+from topomap.bench.pose_graphs.overview import overview
 from topomap.bench.pose_graphs.table import Cell, cells, texts, to_csv, to_json
 from topomap.bench.pose_graphs.targets import shortfalls
 from topomap.core.arrays import FloatArray
@@ -49,9 +52,13 @@ def design(**changes: object) -> Design:
     return replace(Design(kinds=["random"], shares=[0.5], seeds=[0], peers=[]), **changes)
 
 
+def of(cells: Iterable[tuple[Row, ...]]) -> list[Row]:
+    return [row for made in cells for row in made]
+
+
 def test_bench_keeps_no_false_one_and_beats_odometry() -> None:
     graph, _ = drive()
-    rows = list(bench(graph, design(shares=[0.0, 0.5], peers=["Huber"])))
+    rows = of(bench(graph, design(shares=[0.0, 0.5], peers=["Huber"])))
     ours = [row for row in rows if row.method == OURS]
     assert [row.kept_false for row in ours] == [0, 0]
     assert min(row.recall for row in ours) >= 0.8
@@ -64,6 +71,31 @@ def test_bench_keeps_no_false_one_and_beats_odometry() -> None:
     assert whole["short"] == ["a line"]
     assert to_csv(rows).count("\n") == 5
     assert to_csv(rows).startswith("graph,kind,false_share,method,")
+
+
+def test_rows_are_kept_as_lines_with_odometry_beside_them_and_read_again() -> None:
+    rows = of(bench(drive()[0], design(peers=["GNC"], limit=1e-4)))
+    lines = [dict(zip(KEPT, line, strict=True)) for line in kept_rows(rows, 0.5)]
+    told = [(line["contestant"], line["stopped"], line["limit [s]"], line["recall"]) for line in lines]
+    assert told == [("topomap", "no", "", "1.00000"), ("odometry", "no", "", "0.00000"), ("GNC", "yes", "0.5", "-")]
+    assert lines[1]["ATE [m]"] == lines[0]["odometry [m]"] != lines[0]["ATE [m]"]
+    for row, again in zip(rows, rows_of(lines), strict=True):
+        same = dict.fromkeys(("ate_m", "odometry_ate_m", "seconds", "cpu_seconds", "building_seconds"), 0.0)
+        assert replace(row, **same) == replace(again, **same)
+        assert row.ate_m is again.ate_m is None or again.ate_m == pytest.approx(row.ate_m, abs=1e-4)
+
+
+def test_the_overview_tells_the_worst_of_each_contestant() -> None:
+    one = of(bench(drive()[0], design(peers=["DCS"])))
+    worse = [replace(row, seed=1, recall=0.5, precision=0.9, ate_m=7.0, cpu_seconds=3.0) for row in one]
+    ours, peer = one[0], replace(one[1], precision=0.95, recall=0.75, ate_m=1.5)
+    rows = [replace(ours, cpu_seconds=1.0), replace(peer, cpu_seconds=2.0), worse[0], replace(worse[1], stopped=True)]
+    headings, lines = overview([*rows, replace(ours, kind="close", false_share=0.9)])
+    assert headings[5:] == (OURS, "DCS", "CPU [s], topomap / DCS")
+    assert lines[0][1:4] == ("random", "50%", "2")
+    assert lines[0][5:] == ("0.9000 / 0.500 / 7.000", "0.9500 / 0.750 / 1.500, 1 of 2 stopped", "2.00 / 2.00")
+    assert lines[1][1:4] == ("close", "90%", "1")
+    assert lines[1][6] == "not run"
 
 
 def test_what_there_is_not_is_refused() -> None:
@@ -82,7 +114,7 @@ def test_without_false_closures_kind_and_seed_change_nothing() -> None:
 
 def test_a_peer_that_takes_too_long_is_stopped_and_says_so() -> None:
     graph, _ = drive()
-    rows = list(bench(graph, design(peers=["GNC", "DCS"], limit=1e-4)))
+    rows = of(bench(graph, design(peers=["GNC", "DCS"], limit=1e-4)))
     assert [(row.method, row.stopped) for row in rows] == [(OURS, False), ("GNC", True), ("DCS", True)]
     assert rows[1].recall is None
     assert rows[1].ate_m is None
@@ -117,7 +149,7 @@ def cell(method: str, **changes: object) -> Cell:
     whole = Cell(
         graph="g", kind="random", false_share=0.5, method=method, runs=3, stopped=0, precision_min=1.0,
         kept_false_max=0, recall_mean=1.0, recall_min=1.0, ate_m_mean=0.2, ate_m_max=0.2, odometry_ate_m=1.0,
-        seconds_mean=1.0, seconds_max=1.0, building_seconds_mean=0.0,
+        seconds_mean=1.0, seconds_max=1.0, cpu_seconds_mean=1.0, building_seconds_mean=0.0,
     )  # fmt: skip
     return replace(whole, **changes)
 

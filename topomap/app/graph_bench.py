@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from topomap.app.folder import make_writable
+from topomap.app.sweep import source_digest
+from topomap.app.wiring import versions
+from topomap.bench.pool import Store
 from topomap.bench.pose_graphs.bench import Design, Row, bench
 from topomap.bench.pose_graphs.figure import injection, kinds
 from topomap.bench.pose_graphs.table import cells, to_csv, to_json
@@ -40,17 +44,18 @@ def read_sets(names: Sequence[str]) -> list[PoseGraph]:
 
 
 def run_bench(
-    graphs: Sequence[PoseGraph], design: Design, out: Path, told: Callable[[Row], None]
-) -> tuple[list[Row], tuple[Path, ...]]:
-    """Run the test and write what is known after each graph, as it may take hours; `told` hears every row as it is
-    measured. Raises DataError if the folder can't be written."""
+    graphs: Sequence[PoseGraph], design: Design, out: Path, told: Callable[[tuple[Row, ...]], None],
+    store: Store | None = None,
+) -> tuple[list[Row], tuple[Path, ...]]:  # fmt: skip
+    """Run the test and write what is known after each graph, as it may take hours; `told` hears the rows of every graph
+    made as they are measured. Raises DataError if the folder can't be written."""
     make_writable(out)
     rows: list[Row] = []
     written: tuple[Path, ...] = ()
     for graph in graphs:
-        for row in bench(graph, design):
-            told(row)
-            rows.append(row)
+        for made in bench(graph, design, store, json.dumps([versions(), source_digest()])):
+            told(made)
+            rows += made
         written = _write(rows, out)
     return rows, written
 

@@ -272,3 +272,23 @@ def test_where_odometry_drifts_more_clusters_that_agree_start_the_map() -> None:
     kept, wrong = counts(world, judged(world))
     assert wrong == 0
     assert kept >= 0.97
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize(("false", "least"), [(0, 0.85), (20, 0.7)])
+def test_odometry_that_is_worse_than_it_says_does_not_refuse_what_is_true(seed: int, false: int, least: float) -> None:
+    """It turns by one sigma a step more than it says, 1.6 rad in all, and ends 6 to 8 m off."""
+    world = lapped(every=8, seed=seed)
+    bent = world.graph.odometry + np.array([0.0, 0.0, STEP[2]])
+    world = replace(world, graph=replace(world.graph, odometry=bent)).alone(false, seed + 5)
+    found = judged(world)
+    kept, wrong = counts(world, found)
+    assert wrong == 0
+    assert kept >= least
+    assert rms(found.state.poses, world) < 0.25 * rms(world.graph.dead_reckoning(), world)
+    assert "times less sure than stated" in found.kept
+
+
+def test_odometry_that_holds_what_it_says_is_taken_at_its_word() -> None:
+    for seed in range(3):
+        assert "less sure" not in judged(lapped(every=8, seed=seed).alone(40, seed)).kept

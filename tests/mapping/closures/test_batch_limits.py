@@ -278,3 +278,10 @@ def test_an_unsure_calibration_is_found_with_the_map() -> None:
     assert unsure.inlier.mean() > 0.9
     assert unsure.state.calibration.curvature == pytest.approx(0.002, abs=0.0003)
     assert not np.allclose(unsure.state.covariance, HELD)
+
+
+@pytest.mark.parametrize(("beside", "stands"), [(1, False), (8, True), (100, True)])
+def test_a_lone_closure_is_one_of_all_that_the_map_holds(beside: int, stands: bool) -> None:
+    """Of odds of 200 to 1: beside a cluster of so many sure ones, 1 in 1000 closures at most may be false."""
+    odds, size = np.array([30.0, np.log(200.0)]), np.array([beside, 1])
+    assert (1 in finishing.doubtful(odds, size)) != stands

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
+from topomap.bench.pool import Store
 from topomap.bench.pose_graphs.clean import clean_optimum
 from topomap.bench.pose_graphs.injection import KINDS, Injected, inject
 from topomap.bench.pose_graphs.peers import MethodRun, PeerProcess
@@ -28,7 +32,7 @@ class Row:
     """One method on one graph: closures offered and kept, ate [m] to the clean optimum after SE(2) alignment, time.
 
     precision is None where nothing was kept, ate where the method failed, recall, too, where it ran out of time.
-    building_seconds: what making gtsam's graph took a peer beside its seconds.
+    cpu_seconds: the processor's; building_seconds: what making gtsam's graph took a peer beside its seconds.
     """
 
     graph: str
@@ -46,6 +50,7 @@ class Row:
     ate_m: float | None
     odometry_ate_m: float
     seconds: float
+    cpu_seconds: float
     building_seconds: float
     stopped: bool
 
@@ -75,24 +80,71 @@ class Design:
                        for seed in self.seeds]  # fmt: skip
 
 
-def bench(graph: PoseGraph, design: Design) -> Iterator[Row]:
-    """Yield a row a graph made and method. Raises TopomapError."""
-    clean = clean_optimum(graph)
-    drift = ate(graph.dead_reckoning(), clean)
-    warm_up()
+class Contest:
+    """One graph with what is asked of it; code: a digest of all code that decides a result."""
+
+    def __init__(self, graph: PoseGraph, design: Design, process: PeerProcess, code: str = "") -> None:
+        self.graph, self.design, self.process = graph, design, process
+        arrays = (graph.odometry, graph.odometry_covariance, graph.i, graph.j, graph.relative, graph.covariance)
+        files = hashlib.sha256(b"".join(part.tobytes() for part in (*arrays, graph.gaps)))
+        self.digest = [graph.name, files.hexdigest(), [*design.peers], design.limit, code]
+
+    @cached_property
+    def clean(self) -> FloatArray:
+        """The poses (N, 3) that the true closures make, which false ones and errors are told by."""
+        warm_up()
+        return clean_optimum(self.graph)
+
+
+@dataclass(frozen=True, slots=True)
+class GraphTask:
+    """One graph made: a pool Task whose result is a row a method."""
+
+    contest: Contest
+    kind: str
+    share: float
+    seed: int
+
+    @property
+    def key(self) -> str:
+        """All that decides the result."""
+        return json.dumps(["graphs", *self.contest.digest, self.kind, self.share, self.seed])
+
+    def perform(self) -> tuple[Row, ...]:
+        """Inject false closures and give the graph to each method. Raises TopomapError where there is no room."""
+        contest, clean, kind = self.contest, self.contest.clean, self.kind if self.kind != NONE else KINDS[0]
+        drift = ate(contest.graph.dead_reckoning(), clean)
+        rng = np.random.default_rng([self.seed, round(1000 * self.share), (*KINDS, NONE).index(self.kind)])
+        injected = inject(contest.graph, clean, kind, self.share, rng)
+        rows = []
+        for method in (OURS, *contest.design.peers):
+            run = _ours(injected.graph) if method == OURS else contest.process.run(method, injected.graph)
+            rows.append(_row(injected, clean, drift, (self.kind, self.share, self.seed), method, run))
+        return tuple(rows)
+
+
+def bench(graph: PoseGraph, design: Design, store: Store | None = None, code: str = "") -> Iterator[tuple[Row, ...]]:
+    """Yield the rows of each graph made, one a method, as they come; what the store knows isn't measured again.
+
+    code: a digest of all code that decides a result. Raises TopomapError.
+    """
+    store = store or Store(None)
     with PeerProcess(design.limit) as process:
-        for kind, share, seed in design.cells():
-            rng = np.random.default_rng([seed, round(1000 * share), (*KINDS, NONE).index(kind)])
-            injected = inject(graph, clean, kind if kind != NONE else KINDS[0], share, rng)
-            for method in (OURS, *design.peers):
-                run = _ours(injected.graph) if method == OURS else process.run(method, injected.graph)
-                yield _row(injected, clean, drift, (kind, share, seed), method, run)
+        contest = Contest(graph, design, process, code)
+        for cell in design.cells():
+            task = GraphTask(contest, *cell)
+            rows = store.get(task)
+            if rows is None:
+                rows = task.perform()
+                store.put(task.key, rows)
+            yield rows
 
 
 def _ours(graph: PoseGraph) -> MethodRun:
-    begin = time.perf_counter()
+    begin, worked = time.perf_counter(), time.process_time()
     verdicts = optimise_graph(graph)
-    return MethodRun(verdicts.poses, verdicts.inlier, time.perf_counter() - begin, 0.0, False)
+    seconds, cpu = time.perf_counter() - begin, time.process_time() - worked
+    return MethodRun(verdicts.poses, verdicts.inlier, seconds, cpu, 0.0, False)
 
 
 def _row(
@@ -116,6 +168,7 @@ def _row(
         ate_m=ate(run.poses, clean) if np.isfinite(run.poses).all() else None,
         odometry_ate_m=drift,
         seconds=run.seconds,
+        cpu_seconds=run.cpu_seconds,
         building_seconds=run.building_seconds,
         stopped=run.stopped,
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import multiprocessing
 import time
 from multiprocessing.connection import Connection
+from multiprocessing.context import SpawnProcess
 from typing import NamedTuple
 
 import numpy as np
@@ -18,6 +19,7 @@ class MethodRun(NamedTuple):
     """What one method makes of a graph.
 
     poses (N, 3), NaN if it failed; inlier (M,): the closures that it takes for true; seconds [s]: its optimising alone;
+    cpu_seconds [s]: the processor's time for it, which is about the same when the machine is busy with other things;
     building_seconds [s]: making gtsam's graph, which is done factor by factor from Python and isn't the method's fault;
     whether it was stopped.
     """
@@ -25,6 +27,7 @@ class MethodRun(NamedTuple):
     poses: FloatArray
     inlier: BoolArray
     seconds: float
+    cpu_seconds: float
     building_seconds: float
     stopped: bool
 
@@ -35,22 +38,29 @@ class PeerProcess:
     def __init__(self, limit: float) -> None:
         self._limit = limit
         self._context = multiprocessing.get_context("spawn")
+        self._process: SpawnProcess | None = None
 
     def __enter__(self) -> PeerProcess:
+        return self
+
+    def _start(self) -> None:
         self._here, there = self._context.Pipe()
         self._process = self._context.Process(target=_serve, args=(there,), daemon=True)
         self._process.start()
         there.close()
         self._here.recv()  # it has imported all it needs: that isn't the peer's time
-        return self
 
     def __exit__(self, *_: object) -> None:
-        self._process.kill()
-        self._process.join()
-        self._here.close()
+        if self._process is not None:
+            self._process.kill()
+            self._process.join()
+            self._here.close()
+            self._process = None
 
     def run(self, method: str, graph: PoseGraph) -> MethodRun:
         """Return what the peer makes of the graph; a stopped or failed one takes nothing for true."""
+        if self._process is None:
+            self._start()
         self._here.send((method, graph))
         building, begin = 0.0, time.perf_counter()
         try:
@@ -64,13 +74,12 @@ class PeerProcess:
             stopped = False
         seconds = time.perf_counter() - begin
         self.__exit__()
-        self.__enter__()
         return _nothing(graph, seconds, building, stopped)
 
 
 def _nothing(graph: PoseGraph, seconds: float, building: float, stopped: bool) -> MethodRun:
     nowhere = np.full((graph.nodes, 3), np.nan)
-    return MethodRun(nowhere, np.zeros(len(graph.i), np.bool_), seconds, building, stopped)
+    return MethodRun(nowhere, np.zeros(len(graph.i), np.bool_), seconds, seconds, building, stopped)
 
 
 def _serve(there: Connection) -> None:
@@ -81,11 +90,11 @@ def _serve(there: Connection) -> None:
         built = PEERS[method].build(graph)
         building = time.perf_counter() - begin
         there.send(building)
-        begin = time.perf_counter()
+        begin, worked = time.perf_counter(), time.process_time()
         try:
             found = PEERS[method].solve(built, graph.nodes)
-            seconds = time.perf_counter() - begin
-            run = MethodRun(*inliers(graph, found), seconds, building, False)
+            seconds, cpu = time.perf_counter() - begin, time.process_time() - worked
+            run = MethodRun(*inliers(graph, found), seconds, cpu, building, False)
         except RuntimeError:  # gtsam gives up on an indeterminate system: a result of the peer, not an error of ours
             run = _nothing(graph, time.perf_counter() - begin, building, stopped=False)
         there.send(run)

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from topomap.core.arrays import BoolArray, FloatArray
+from topomap.core.records import UNKNOWN_HEADING
 from topomap.mapping.closures.claims import Claims
 from topomap.mapping.odometry.increments import Calibration, Preintegrated
 from topomap.mapping.optimizer import AxisEdge, HeldSolver, OdometryEdges, OptimizerSettings, Problem, TurnEdge, solve
@@ -70,6 +71,13 @@ class Drive:
         solution = solve(problem, settings)
         found = MapState(solution.poses, solution.calibration, solution.calibration_covariance)
         return found, solution.closure_weights > 0
+
+    def less_sure(self, times: float) -> Drive:
+        """Return the drive with odometry's sigmas so many times as large; of gaps nothing is known anyway."""
+        increments, factor = self.edges.increments, times**2
+        told = factor * increments.covariances[:, 2, 2] <= UNKNOWN_HEADING
+        wider = np.where(told[:, None, None], factor, 1.0) * increments.covariances
+        return replace(self, edges=replace(self.edges, increments=replace(increments, covariances=wider)))
 
     @property
     def held(self) -> bool:

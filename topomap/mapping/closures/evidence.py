@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import coo_array
@@ -25,7 +26,14 @@ VAGUE = 0.05  # share of true closures that miss by 1 m or 20 degrees from which
 ALONE = 1e-6  # a closure that alone knows something is known as well by the map: the difference is no less than this
 
 
-def log_evidence(drive: Drive, state: MapState, closures: Claims, log_prior: FloatArray) -> float:
+class Evidence(NamedTuple):
+    """Log odds of closures that are true together; tension: the squared error for each thing they claim."""
+
+    log_odds: float
+    tension: float
+
+
+def log_evidence(drive: Drive, state: MapState, closures: Claims, log_prior: FloatArray) -> Evidence:
     """Return the log odds that n closures, one a cluster, are true and not all of them false, given what they claim.
 
     log_prior (n,): log odds of each before its claim is compared with the map; state: about what they make of the map.
@@ -33,7 +41,7 @@ def log_evidence(drive: Drive, state: MapState, closures: Claims, log_prior: Flo
     the root of odometry's information over the information of both; false ones are even over the drive's area.
     """
     if not len(closures):
-        return 0.0
+        return Evidence(0.0, 0.0)
     solver, edges = drive.solver, closures.closures()
     found = solver.solve(state.poses, edges, ALL_IN)
     chi2 = solver.error(found.poses, edges)
@@ -43,7 +51,8 @@ def log_evidence(drive: Drive, state: MapState, closures: Claims, log_prior: Flo
     dimensions = np.where(blind, 2, 3)
     joint = -0.5 * (chi2 + gained + float(own.sum() + (dimensions * math.log(2 * math.pi)).sum()))
     joint += _bridged(drive, closures)
-    return joint - float(log_chance(drive.poses, blind).sum()) + float(log_prior.sum())
+    log_odds = joint - float(log_chance(drive.poses, blind).sum()) + float(log_prior.sum())
+    return Evidence(log_odds, chi2 / float(dimensions.sum()))
 
 
 def _bridged(drive: Drive, closures: Claims) -> float:

@@ -49,7 +49,7 @@ def confirm(working: WorkingMap) -> None:
         ones = working.ones()
         label = working.clusters.label[ones]
         odds = log_odds_beside_others(working.drive, working.map, working.claims[ones], working.prior_odds(ones))
-        weak = _doubtful(odds, working.clusters.size[label])
+        weak = doubtful(odds, working.clusters.size[label])
         if not len(weak):
             break
         # a quarter of them at a time: with the weakest out the others may be stronger
@@ -70,11 +70,12 @@ def _withdraw(working: WorkingMap, gone: BoolArray) -> None:
     working.solve(working.standing[~gone], CLOSING)
 
 
-def _doubtful(odds: FloatArray, size: IntArray) -> IntArray:
+def doubtful(odds: FloatArray, size: IntArray) -> IntArray:
     """Return which of n clusters of some size (n,) are to be doubted, lone ones sooner than several that agree."""
     order = np.argsort(-odds, kind="stable")
-    share = np.cumsum(expit(-odds[order])) / np.arange(1, len(order) + 1)
-    return np.asarray(order[((share > DOUBT) & (size[order] < SEVERAL)) | (odds[order] < LIKELY)])
+    closures = size[order]
+    share = np.cumsum(closures * expit(-odds[order])) / np.cumsum(closures)
+    return np.asarray(order[((share > DOUBT) & (closures < SEVERAL)) | (odds[order] < LIKELY)])
 
 
 def undecided(working: WorkingMap) -> int:
