@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from drive_folders import write_drive
 
-from topomap.bench.recordings.drives import DriveTask, DriveVariation, to_csv, to_json, variations
+from topomap.bench.recordings.drives import KEPT, KEYS, DriveTask, DriveVariation, kept_row, to_csv, to_json, variations
 from topomap.mapping.mapper import MapperSettings
 
 
@@ -41,3 +41,7 @@ def test_a_drive_is_mapped_and_judged(tmp_path: Path) -> None:
     assert again.map_m == rows[0].map_m
     assert json.loads(to_json(rows))[1]["draw"] == 1
     assert [line["draw"] for line in csv.DictReader(io.StringIO(to_csv(rows)))] == ["0", "1"]
+    assert len(kept_row("drive", rows[0])) == len(KEPT)
+    assert kept_row("drive", rows[0])[:KEYS] == ("drive", "1", "1", "0", "1")
+    assert rows[0].farthest_m is not None
+    assert 0.0 < rows[0].farthest_m < 1.0

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import typer
 
-from topomap.cli.bench_commands import OUT, benches
+from topomap.cli.bench_commands import KEEP, OUT, benches
 from topomap.cli.console import console, grid, progress, show_wide
 from topomap.cli.words import CONFIG, SETTINGS
 
@@ -74,6 +74,7 @@ def drive(
     settings: list[str] = SETTINGS,
     jobs: int | None = typer.Option(None, min=1, help="Processes [all cores]."),
     out: Path = typer.Option(OUT / "drive", help="Folder for the table."),
+    keep: Path | None = KEEP,
 ) -> None:
     """Map a drive of panoramas with odometry made from its true positions, with drift and noise, in many ways."""
     from topomap.app import recordings
@@ -83,7 +84,7 @@ def drive(
 
     chosen, which = load_config(config, settings), variations(scale, every, draws, declared)
     with progress(path.resolve().name, len(which)) as advance:
-        rows = recordings.bench_drive(path, which, chosen, jobs or cores(), advance)
+        rows = recordings.bench_drive(path, which, chosen, jobs or cores(), advance, keep)
     shown = grid(path.resolve().name, DRIVE_HEADINGS)
     for row in rows:
         shown.add_row(
