@@ -77,14 +77,14 @@ def drive(
     keep: Path | None = KEEP,
 ) -> None:
     """Map a drive of panoramas with odometry made from its true positions, with drift and noise, in many ways."""
-    from topomap.app import recordings
+    from topomap.app import drive_bench
     from topomap.app.config import load_config
     from topomap.app.words import cores
     from topomap.bench.recordings.drives import variations
 
     chosen, which = load_config(config, settings), variations(scale, every, draws, declared)
     with progress(path.resolve().name, len(which)) as advance:
-        rows = recordings.bench_drive(path, which, chosen, jobs or cores(), advance, keep)
+        rows = drive_bench.bench_drive(path, which, chosen, jobs or cores(), advance, keep)
     shown = grid(path.resolve().name, DRIVE_HEADINGS)
     for row in rows:
         shown.add_row(
@@ -94,7 +94,7 @@ def drive(
             _scale(row.rotation_scale, row.rotation_sigma, row.true_rotation_scale), row.kept,
         )  # fmt: skip
     show_wide(shown)
-    for written in recordings.write_drive_bench(rows, out):
+    for written in drive_bench.write_drive_bench(rows, out):
         console.print(str(written), soft_wrap=True)
 
 

@@ -4,20 +4,14 @@ from __future__ import annotations
 
 import itertools
 import json
-import time
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, fields, replace
-from pathlib import Path
+from dataclasses import asdict, dataclass, fields
 
-from topomap.bench.recordings.drive_map import map_readings
-from topomap.bench.recordings.made_odometry import DEFAULT, scaled, thinned, with_made_odometry
 from topomap.core.records import Estimate
 from topomap.core.run_data import RunData
-from topomap.datasets.drive_folder import read_folder
 from topomap.evaluation.closures import accepted, count
 from topomap.evaluation.rows import rows_csv
 from topomap.evaluation.trajectory import ate
-from topomap.mapping.mapper import MapperSettings
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,29 +56,6 @@ class DriveRow:
     true_rotation_scale: float | None
     kept: str
     seconds: float
-
-
-@dataclass(frozen=True, slots=True)
-class DriveTask:
-    """Map a drive one way: a pool Task."""
-
-    folder: Path
-    variation: DriveVariation
-    settings: MapperSettings
-
-    @property
-    def key(self) -> str:
-        """All that decides the result but the drive itself."""
-        return repr((str(self.folder), self.variation, self.settings))
-
-    def perform(self) -> DriveRow:
-        """Make the odometry, map and judge."""
-        v = self.variation
-        drive = thinned(scaled(read_folder(self.folder), v.scale), v.every)
-        drive, known = with_made_odometry(drive, v.draw, replace(DEFAULT, declared=v.declared))
-        begin = time.perf_counter()
-        run = map_readings(drive, self.settings, known)
-        return drive_row(v, run, time.perf_counter() - begin)
 
 
 def drive_row(v: DriveVariation, run: RunData, seconds: float) -> DriveRow:
