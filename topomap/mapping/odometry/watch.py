@@ -49,9 +49,9 @@ LEAP, LEAP_LEAST, LEAP_CHANGE = 3.0, 0.3, 1.5
 """Times the longest step of late, and [m], that a leap of the odometer exceeds, while the view changes by no more than
 so many times as usual: who drives three times as far sees twice the change."""
 LEAP_SHARE = 0.5
-"""Share of what the view changed by over as long a way before, below which the odometer's step is none: 99 % of leaps by
-half a metre are in hall, corridor, room and office; 97 to 100 % of true steps 3 to 20 times as long as usual aren't, in
-a park's photographs too (79 % in the office, whose views change by twice the usual by then)."""
+"""Share of what the view changed by over as long a way before, below which the odometer's step is none: in hall,
+corridor, room and office 99 % of leaps by half a metre are; of true steps 3 to 20 times as long as usual 97 to 100 %
+aren't, in a park's photographs too (79 % in the office, whose views change by twice the usual by then)."""
 SEEN_WAY, SEEN_TURN = 0.05, math.radians(3.0)
 """[m], [rad] Error of a step restated by what is usual and by the view; undisturbed, a view's turn is at most 2.8
 degrees off the odometry's in four worlds."""
