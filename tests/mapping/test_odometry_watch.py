@@ -185,3 +185,13 @@ def test_who_drives_much_faster_where_views_change_slowly_is_believed(times: int
     seen = blind(faster(taught(100, "hall"), 40, times))
     assert max(reading.motion.forward for reading in seen) > 0.35
     assert watched(seen)[:2] == ([], [])
+
+
+@pytest.mark.parametrize(("at", "times"), [(15, 2), (33, 2), (63, 2), (64, 1), (67, 3)])
+def test_a_frame_that_the_camera_repeats_is_no_break_once_it_goes_on(at: int, times: int) -> None:
+    """Straight on and in a turn: the next view shows what the wheels did in all steps since the last new one."""
+    seen = blind(taught(at + 12))
+    again = seen[at - 1]
+    stale = [replace(r, image=again.image, encoded=again.encoded) if at <= k < at + times else r
+             for k, r in enumerate(seen)]  # fmt: skip
+    assert watched(stale)[:2] == ([], [])

@@ -78,6 +78,7 @@ class OdometryWatch:
         self._speeds: deque[float] = deque(maxlen=MEMORY)
         self._dead = self._spinning = 0
         self._leaping = False
+        self._owed = 0.0, 0.0  # way [m] and turn [rad] while the camera repeated its frame: the next view shows them
         self._behind: deque[tuple[Signature, float]] = deque(maxlen=MEMORY)  # views, and the way at them [m]
         self._travel = 0.0
         self._scans = ScanWatch()
@@ -104,19 +105,22 @@ class OdometryWatch:
         if previous is None:
             self._scans.begin(panorama)
             return ""
-        change, whole = _change(panorama, previous, float(motion.turn))
+        owed_way, owed_turn = self._owed
+        change, whole = _change(panorama, previous, float(motion.turn) + owed_turn)
         driven = abs(motion.forward) + abs(motion.left)
         self._behind.append((signature(previous), self._travel))
         way = driven + TURN_WAY * abs(motion.turn)
+        repeated = _change(panorama, previous, 0.0)[0] < UNMOVED * self._usual
+        self._owed = (owed_way + way, owed_turn + float(motion.turn)) if repeated else (0.0, 0.0)
         leapt = self._leapt(driven, motion.dt, panorama, previous)
         self._travel += median(self._driven) if leapt else driven
         self._lately = max(self._latest, default=0.0)
         self._latest.append(change)
         announced = max(self._whole, default=0.0) >= ANNOUNCED
         self._whole.append(whole)
-        turned = self._jumped(change, way) and not leapt and not announced
-        turn = _seen_turn(panorama, previous) if leapt or turned or self._scans.untrue else 0.0
-        if turned and self._jumped(_change(panorama, previous, turn)[0], way):
+        turned = self._jumped(change, way + owed_way) and not leapt and not announced and not repeated
+        turn = _seen_turn(panorama, previous) - owed_turn if leapt or turned or self._scans.untrue else 0.0
+        if turned and self._jumped(_change(panorama, previous, turn + owed_turn)[0], way + owed_way):
             self._scans.begin(panorama)
             return f"carried away: the view changed by {change:.2f}, usual over a step is {self._usual:.2f}"
         doubted, self.turned = self.doubted, turned
@@ -130,7 +134,7 @@ class OdometryWatch:
             ended = f"the odometry stood still for {dead} steps" if dead else f"the wheels spun for {spinning} steps"
         if way > self._still and not self._spinning and change < TIMES * max(self._usual, LEAST):
             self._changes.append(change)
-            self._ways.append(way)
+            self._ways.append(way + owed_way)
             self._driven.append(driven)
             self._speeds.append(driven / motion.dt if motion.dt > 0 else 0.0)
         return ended
