@@ -6,10 +6,11 @@
 from __future__ import annotations
 
 import importlib
+import inspect
 from collections.abc import Iterator
 from dataclasses import MISSING, fields, is_dataclass
 from pathlib import Path
-from types import ModuleType
+from types import FunctionType, ModuleType
 
 import numpy as np
 import pytest
@@ -17,7 +18,7 @@ from kept import as_before
 from pydantic import BaseModel
 
 ROOT = Path(__file__).parents[1]
-FOLDERS = ("topomap/mapping", "topomap/navigation", "topomap/recording", "logs")
+FOLDERS = ("topomap/mapping", "topomap/navigation", "topomap/recording", "topomap/vision", "logs")
 
 
 def modules(folder: str) -> Iterator[ModuleType]:
@@ -27,23 +28,39 @@ def modules(folder: str) -> Iterator[ModuleType]:
 
 
 def constants(module: ModuleType) -> Iterator[tuple[str, list[float]]]:
-    """Yield the numbers of a module's own constants and of its classes' defaults, by name."""
+    """Yield the numbers of a module's own constants and of its classes' and functions' defaults, by name."""
     names = [name for name in vars(module) if name.lstrip("_").isupper()]
     for name in names:
         if (numbers := flat(getattr(module, name))) is not None:
             yield name, numbers
     for own in list(vars(module).values()):
-        if isinstance(own, type) and own.__module__ == module.__name__:
+        if getattr(own, "__module__", "") == module.__name__:
             for name, value in defaults(own):
                 if (numbers := flat(value)) is not None:
-                    yield f"{own.__name__}.{name}", numbers
+                    yield name, numbers
 
 
-def defaults(own: type) -> Iterator[tuple[str, object]]:
-    if issubclass(own, BaseModel):
-        yield from ((name, field.default) for name, field in own.model_fields.items())
-    elif is_dataclass(own):
-        yield from ((field.name, field.default) for field in fields(own) if field.default is not MISSING)
+def defaults(own: object) -> Iterator[tuple[str, object]]:
+    """Yield what stands where nothing is given: a class's fields and its functions' arguments, or a function's."""
+    if isinstance(own, type):
+        if issubclass(own, BaseModel):
+            yield from ((f"{own.__name__}.{name}", field.default) for name, field in own.model_fields.items())
+        elif is_dataclass(own):
+            told = [field for field in fields(own) if field.default is not MISSING]
+            yield from ((f"{own.__name__}.{field.name}", field.default) for field in told)
+        for inner in vars(own).values():
+            yield from ((f"{own.__name__}.{name}", value) for name, value in arguments(inner))
+    else:
+        yield from arguments(own)
+
+
+def arguments(function: object) -> Iterator[tuple[str, object]]:
+    """Yield a function's defaults, a compiled one's too; those that dataclasses make are their fields'."""
+    plain = getattr(function, "py_func", getattr(function, "__func__", function))
+    if isinstance(plain, FunctionType) and plain.__name__ != "__init__":
+        for name, one in inspect.signature(plain).parameters.items():
+            if one.default is not inspect.Parameter.empty:
+                yield f"{plain.__name__}.{name}", one.default
 
 
 def flat(value: object) -> list[float] | None:

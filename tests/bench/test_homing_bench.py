@@ -9,10 +9,12 @@ import pytest
 from homing_fakes import Knowing, KnowingCompass, telling_recipe
 
 from topomap.bench.homing import bench as homing_bench
+from topomap.bench.homing.answers import Entry
 from topomap.bench.homing.bench import BenchSettings, Table, bench, tasks
 from topomap.bench.homing.contestant import Pairwise, compass, contestants
 from topomap.bench.homing.field import HomeField, TurnsTask
 from topomap.bench.homing.figures import method_figure, save, sheet
+from topomap.bench.homing.rows import rows_of
 from topomap.bench.homing.table import as_json, cells, title, unfit, write_table
 from topomap.bench.pool import Store, workers
 from topomap.core.errors import DataError
@@ -170,7 +172,7 @@ def test_a_method_that_lacks_what_it_needs_is_named_and_not_drawn() -> None:
     table = measured(EXACT)
     entry = table.entries[0]
     lacking = HomeField(entry.fields[0].directions, entry.fields[0].ms, unfit="needs wings")
-    row = homing_bench._rows([homing_bench.Entry("bird", entry.grounds, (lacking,))], FIXED)[0]
+    row = rows_of([Entry("bird", entry.grounds, (lacking,))], FIXED.walking.reach, FIXED.draws)[0]
     spoilt = Table("telling", "given", (0,), (row,), (), None, None)
     assert unfit(spoilt) == {"needs wings": ["bird"]}
 

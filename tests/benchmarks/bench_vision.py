@@ -24,7 +24,7 @@ from topomap.vision.homing import METHODS, POLICIES, REFERENCE_METHODS, AreaCent
 from topomap.vision.image.compare import PLACE, signature, squared_differences
 from topomap.vision.image.ring import RingSpec, ring
 from topomap.vision.image.scale_planes import WARPING, warping_view
-from topomap.vision.matching.kernels import dtw_path
+from topomap.vision.matching.dtw_kernels import dtw_path
 from topomap.vision.matching.warping import warp
 
 sys.path.append(str(Path(__file__).parents[1] / "vision"))

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from topomap.core.errors import DataError
-from topomap.datasets.image_grid import ANTWORLD_HEADER, grid_recipe, load_grid
+from topomap.datasets.grid_files import ANTWORLD_HEADER
+from topomap.datasets.image_grid import grid_recipe, load_grid
 
 WIDTH = 72
 

@@ -91,6 +91,8 @@ def _hidden(tree: ast.AST) -> set[int]:
             roots += node.decorator_list
         elif isinstance(node, ast.Raise | ast.JoinedStr) or _for_types_only(node):
             roots.append(node)
+        elif isinstance(node, ast.keyword) and node.arg == "strict":
+            roots.append(node)  # of zip: it checks what is never so
         elif isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr == "reshape":
             roots += [one for one in node.args if ast.unparse(one) == "-1"]  # any negative number says the same
     return {id(inner) for root in roots if root is not None for inner in ast.walk(root)}

@@ -14,7 +14,7 @@ from played import Played, taught
 from logs.recorder import Recorder
 from sim2d.records import SimReading
 from topomap.app.config import load_config
-from topomap.app.runs import map_now
+from topomap.app.final_map import map_now
 from topomap.app.wiring import build_navigator
 from topomap.mapping.graph import TopoMap
 from topomap.mapping.mapfile import load_map, save_map

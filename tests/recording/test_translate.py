@@ -110,7 +110,8 @@ def _decision(verdict: Verdict, step: int) -> Decision:
     covariance = np.arange(9.0).reshape(3, 3)
     relative = Pose2(0.1, 0.2, 1 / 7)
     scores = Evidence.of({"gate": 1.5, "margin": float("inf")})
-    candidate = Candidate(_stamp(CLOSED_AT), 0, _stamp(0), relative, covariance, 0.9, 1, scores)
+    query = CLOSED_AT - (verdict is Verdict.PENDING)  # what waits was seen before what is accepted
+    candidate = Candidate(_stamp(query), 0, _stamp(0), relative, covariance, 0.9, 1, scores)
     return Decision(_stamp(step), candidate, verdict, "both say so")
 
 

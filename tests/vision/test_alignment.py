@@ -11,7 +11,7 @@ from scenes import around, view
 from topomap.core.geometry import TAU, Pose2, wrap
 from topomap.core.panorama import Panorama
 from topomap.vision.compass import ALIGNERS, GivenHeading, MinWarpingCompass, VisualCompass
-from topomap.vision.matching.kernels import absolute_differences
+from topomap.vision.matching.difference_kernels import absolute_differences
 
 HOME = Pose2(3.7, 2.8, 0.4)
 TOLERANCE = {  # mean error [deg] at 0.5 m, eight directions, any rotation; 0.1 m for the visual compasses

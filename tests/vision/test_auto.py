@@ -15,7 +15,7 @@ from scenes import view
 
 import topomap
 from topomap.core.errors import DataError
-from topomap.core.geometry import Pose2, wrap
+from topomap.core.geometry import TAU, Pose2, wrap
 from topomap.core.panorama import Panorama
 from topomap.vision.homing.auto import Auto
 
@@ -66,6 +66,9 @@ def test_home_in_five_lines(tmp_path: Path) -> None:
         cv2.imwrite(str(tmp_path / f"{name}.png"), clockwise)
     here, goal = topomap.load_panorama(tmp_path / "here.png"), topomap.load_panorama(tmp_path / "goal.png")
     np.testing.assert_array_equal(here.image, view(POSE).image)
+    height, width = here.image.shape[:2]
+    assert (here.rig.horizon_row, here.rig.focal) == ((height - 1) / 2, width / TAU)
+    assert topomap.load_panorama(tmp_path / "here.png", 40.0).rig.horizon_row == 40.0
     way = topomap.home(here, goal)
     assert abs(wrap(way.bearing - POSE.bearing_to(HOME))) < math.radians(3)
     matched = topomap.home(here, goal, "dtw-unifying")

@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from topomap.core.arrays import Float32Array
-from topomap.vision.matching.kernels import block_differences, dtw_path
+from topomap.vision.matching.difference_kernels import block_differences
+from topomap.vision.matching.dtw_kernels import dtw_path
 
 
 def plain_cost(home: Float32Array, current: Float32Array, band: int) -> float:

@@ -15,9 +15,17 @@ from topomap.core.rig import Rig
 from topomap.vision.arena import central, spread
 from topomap.vision.contracts import Needs
 from topomap.vision.eye_level import _peak
+from topomap.vision.homing.convergence_point import ConvergencePoint
+from topomap.vision.homing.did_moves import TrialMoves
 from topomap.vision.homing.equal_warping import EqualWarping, RingWarping
 from topomap.vision.homing.matched_filter import _upward
+from topomap.vision.homing.view_vector import ViewVector
+from topomap.vision.image.distances import fitted_coefficients, polynomial
 from topomap.vision.image.landmarks import MarkerSpec, _runs, markers
+from topomap.vision.image.pixel_selection import selected
+from topomap.vision.matching.moment_potential import _gradient
+from topomap.vision.matching.scan_search import _turns
+from topomap.vision.matching.warping import rotations
 from topomap.vision.tilt.verticals import _fitted
 
 
@@ -97,3 +105,64 @@ def test_two_blank_views_tell_no_way_home(method: RingWarping | EqualWarping) ->
     home = method.home(view, view)
     assert (home.distance, home.confidence) == (None, 0.0)
     assert math.isfinite(home.bearing)
+
+
+@pytest.mark.parametrize("exponent", [1.0, 1.5, 3.0])
+def test_the_slope_of_a_moments_potential_is_its_derivative(exponent: float) -> None:
+    landmarks, weights = np.array([[1.0, 0.5], [-2.0, 1.0], [0.3, -1.5]]), np.array([1.0, 0.5, 2.0])
+
+    def potential(at: np.ndarray) -> float:
+        return float(weights @ np.hypot(*(at - landmarks).T) ** exponent)
+
+    at, step = np.array([0.2, -0.1]), 1e-6
+    slope = [(potential(at + d) - potential(at - d)) / (2 * step) for d in np.eye(2) * step]
+    assert _gradient(at, landmarks, weights, exponent) == pytest.approx(slope, rel=1e-5)
+
+
+def test_the_brightest_columns_of_the_horizon_are_selected() -> None:
+    view = blank()
+    view.image[:, [3, 50, 90]] = 200
+    view.image[:, 120] = 150
+    assert np.flatnonzero(selected(view, 3)).tolist() == [3, 50, 90]
+    assert np.flatnonzero(selected(view, 4)).tolist() == [3, 50, 90, 120]
+
+
+def test_trial_moves_go_to_the_least_difference_and_stay_where_none_is_less() -> None:
+    moves = TrialMoves("basic", 4)
+    assert moves.towards(np.array([5.0, 5.5, 4.9, 4.95, 6.0])) == pytest.approx((0.0, 1.0), abs=1e-12)
+    assert moves.towards(np.array([5.0, 5.0, 5.5, 6.0, 7.0])) == (0.0, 0.0)
+    assert TrialMoves("gradient", 2).towards(np.full(3, 5.0)) == (0.0, 0.0)
+    assert TrialMoves("gradient", 2).towards(np.array([5.0, 5.3, 4.6])) == pytest.approx((-0.6, 0.8))
+
+
+def test_rotations_within_a_window_are_searched_and_all_where_it_is_as_wide() -> None:
+    column = TAU / 72
+    assert rotations(0.0, 3 * column, 72) == (-3, 7)
+    assert rotations(10 * column, 2.5 * column, 72) == (7, 7)
+    assert rotations(0.0, 34.5 * column, 72) == (-35, 71)
+    assert rotations(0.0, 34.5 * column, 71) == (0, 71)
+    assert rotations(None, 3 * column, 72) == (0, 72)
+
+
+@pytest.mark.parametrize(("apart", "sure"), [(1.9e-3, False), (2.1e-3, True), (2.9e-3, True)])
+def test_convergence_points_nearer_than_both_are_off_tell_no_way(apart: float, sure: bool) -> None:
+    rig = Rig()
+    home = ConvergencePoint(1.5).home(ViewVector(0.0, apart, 1.0, rig), ViewVector(0.0, 0.0, 1.0, rig))
+    assert (home.confidence > 0.0) == sure
+
+
+def test_scans_are_tried_in_turns_a_step_apart_within_a_window_and_two_around_the_circle() -> None:
+    assert _turns(0.5, 0.25, 0.1) == pytest.approx([0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8])
+    assert _turns(0.5, 0.0, 0.1) == [0.5]
+    around = _turns(0.5, math.pi, 0.13)
+    assert (around[0], len(around)) == (0.0, 25)
+    assert np.diff(around) == pytest.approx(TAU / 25)
+
+
+def test_the_fitted_cubic_is_the_floors_distance_and_nothing_where_there_is_no_floor() -> None:
+    rig = Rig()
+    rows = np.array([70.0, 80.0, 95.0])
+    told = polynomial(rig.height - 0.5 - rows, *fitted_coefficients(rig))
+    assert told == pytest.approx(rig.camera_height * rig.focal / (rows - rig.horizon_row), rel=0.1)
+    assert fitted_coefficients(replace(rig, horizon_row=rig.height - 1.0)) == (0.0, 0.0, 0.0, 0.0)
+    assert polynomial(np.array([2.0])) == pytest.approx([0.1 + 0.1 + 4 * 0.000143 + 8 * 0.0000018])

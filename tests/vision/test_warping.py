@@ -12,8 +12,8 @@ from topomap.core.geometry import TAU, wrap
 from topomap.core.panorama import Panorama
 from topomap.core.rig import Rig
 from topomap.vision.image.scale_planes import WARPING, WarpingSpec, warping_view
-from topomap.vision.matching.kernels import scale_planes, warping_search
 from topomap.vision.matching.warping import best, movements, warp
+from topomap.vision.matching.warping_kernels import scale_planes, warping_search
 
 
 def test_planes_are_the_normalised_differences() -> None:

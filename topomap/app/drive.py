@@ -8,7 +8,8 @@ from pathlib import Path
 from topomap.app.config import load_config
 from topomap.app.folder import RunFolder
 from topomap.app.interrupt import stop_on_signal
-from topomap.app.runs import Progress, RunResult, execute, replay_log
+from topomap.app.logged_run import Progress
+from topomap.app.runs import RunResult, execute, replay_log
 from topomap.app.stored_run import open_log
 from topomap.app.warm_up import warm_up
 from topomap.app.wiring import versions

@@ -10,7 +10,8 @@ from pathlib import Path
 from topomap.app.config import RunConfig, load_config
 from topomap.app.export import write_tum
 from topomap.app.folder import RunFolder
-from topomap.app.runs import Progress, RunResult, conclude, execute
+from topomap.app.logged_run import Progress
+from topomap.app.runs import RunResult, conclude, execute
 from topomap.app.wiring import versions
 from topomap.bench.pool import Store, workers
 from topomap.bench.recordings.figure import firmness

@@ -2,43 +2,30 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from logs.errors import LogError
 from logs.header import Header
-from logs.recorder import Recorder
 from sim2d import worlds
 from sim2d.errors import WorldError
 from sim2d.robot import SimRobot
 from topomap.app.config import RunConfig
 from topomap.app.folder import RunFolder
 from topomap.app.interrupt import Stop, stop_on_signal
+from topomap.app.logged_run import Meet, Progress, run_logged
 from topomap.app.saved_map import SavedMap, write_truths
 from topomap.app.stored_run import StoredRun
 from topomap.app.warm_up import warm_up
 from topomap.app.wiring import build_navigator, versions
 from topomap.core.errors import DataError, RobotFault
-from topomap.core.records import Phase, StepRecord
-from topomap.core.robot import Reading, Robot, TruthSource
+from topomap.core.robot import Robot, TruthSource
 from topomap.core.run_data import RunData, TrueCalibration
 from topomap.evaluation.summary import summarise, write_summary
-from topomap.mapping.graph import TopoMap
-from topomap.mapping.mapfile import save_map
-from topomap.mapping.sessions.condense import condense
-from topomap.navigation.navigator import Navigator
-from topomap.navigation.runner import run
 from topomap.recording.encode import run_header
-from topomap.recording.recorder import FinalMap, MapNow, RunRecorder
 from topomap.recording.run_reader import read_run
 from topomap.report.report import write_report
 
-Progress = Callable[[int], None]
-Meet = Callable[[Callable[[str], None], Callable[[], bool]], None]
 STEPS_SPARE, STEPS_RATIO = 5000, 20
 """A simulated run may take so many steps, and so many times those of its route: going home takes less than once."""
 
@@ -117,32 +104,6 @@ def conclude(data: RunData, folder: RunFolder) -> RunResult:
     return RunResult(folder, summary, False, written, fault=data.fault, doubt=doubt)
 
 
-class _Watch:
-    """Hands each step to the recorder and to the progress bar."""
-
-    def __init__(self, recorder: RunRecorder, progress: Progress) -> None:
-        self.recorder, self._progress = recorder, progress
-        self.steps = 0
-        self.last: StepRecord | None = None
-
-    def sensed(self, reading: Reading) -> None:
-        try:
-            self.recorder.sensed(reading)
-        except LogError:
-            raise
-        except Exception as error:  # whatever a driver hands over that no record can hold
-            raise RobotFault(f"a reading can't be logged: {type(error).__name__}: {error}") from error
-
-    def observe(self, reading: Reading, record: StepRecord) -> None:
-        self.recorder.observe(reading, record)
-        self.steps, self.last = self.steps + 1, record
-        self._progress(self.steps)
-
-    def say(self, message: str) -> None:
-        """Write a warning into the log."""
-        self.recorder.say("robot", message)
-
-
 def execute(
     robot: Robot, truth: TruthSource | None, header: Header, config: RunConfig, folder: RunFolder, progress: Progress,
     most_steps: int | None = None, meet: Meet | None = None, saved: SavedMap | None = None,
@@ -158,45 +119,10 @@ def execute(
         warm_up(config.stack)
         begun = tuple(saved.attachments()) if saved else ()
         navigator = build_navigator(config.stack, saved=saved)
-        fault = _logged(robot, truth, header, config, folder, progress, most_steps, meet, navigator, stopped, begun)
+        fault = run_logged(robot, truth, header, config, folder, progress, most_steps, meet, navigator, stopped, begun)
         result = _concluded(folder, stopped, fault)
         write_truths(read_run(folder.log), navigator.mapper.map, saved, folder.map)
         return replace(result, failure=navigator.failure)
-
-
-def _logged(
-    robot: Robot, truth: TruthSource | None, header: Header, config: RunConfig, folder: RunFolder, progress: Progress,
-    most_steps: int | None, meet: Meet | None, navigator: Navigator, stopped: Stop,
-    begun: tuple[tuple[str, str, bytes], ...],
-) -> str:  # fmt: skip
-    """Run with an open log, end the map; return what ended the run before its time, nothing where nothing did."""
-    faults: list[str] = []
-    try:
-        with Recorder.of(folder.log, header, config.log) as recorder:
-            for attachment in begun:
-                recorder.attach(*attachment)
-            watch = _Watch(RunRecorder(recorder, lambda: map_now(navigator.mapper.map), truth), progress)
-            began = time.perf_counter()
-            if meet is not None:
-                meet(watch.say, stopped)
-            with _noted(faults):
-                run(robot, navigator, (watch,), stopped, most_steps, watch.sensed)
-            with _noted(faults):
-                _finish(navigator, watch, time.perf_counter() - began, folder, "; ".join(faults))
-    except LogError as error:  # the log can't be closed, mostly for the reason for which the run ended
-        if str(error) not in faults:
-            faults.append(str(error))
-    return "; ".join(faults)
-
-
-@contextmanager
-def _noted(faults: list[str]) -> Iterator[None]:
-    """Take down what is expected to go wrong instead of raising it, so that what was done is kept."""
-    try:
-        yield
-    except (RobotFault, LogError, DataError) as error:
-        if str(error) not in faults:
-            faults.append(str(error))
 
 
 def _concluded(folder: RunFolder, stopped: Stop, fault: str) -> RunResult:
@@ -210,54 +136,6 @@ def _concluded(folder: RunFolder, stopped: Stop, fault: str) -> RunResult:
     if fault:
         raise RobotFault(fault, replace(result, fault=fault))
     return result
-
-
-def _finish(navigator: Navigator, watch: _Watch, seconds: float, folder: RunFolder, fault: str) -> None:
-    """End the map and write it beside the log and into it."""
-    if fault:
-        with suppress(LogError):  # the log itself may be what failed
-            watch.recorder.say("fault", fault, error=True)
-    if watch.last is None:
-        return
-    said = len(navigator.mapper.ledger.decisions)
-    navigator.mapper.finish(watch.last.stamp_ns)
-    unsaid = tuple(navigator.mapper.ledger.decisions[said:])
-    final = _final_map(navigator, watch.last, watch.steps / seconds)
-    if navigator.mapper.map.view != "full":
-        condense(navigator.mapper.map)
-    save_map(navigator.mapper.map, folder.map)
-    watch.recorder.finish(replace(final, decisions=unsaid, fault=fault))
-
-
-def _final_map(navigator: Navigator, last: StepRecord, steps_per_s: float) -> FinalMap:
-    mapper = navigator.mapper
-    topo = mapper.map
-    stamps, poses = topo.trajectory(mapper.first)
-    travel = last.travel.phase
-    asked = last.goal.phase is Phase.TRAVEL
-    return FinalMap(
-        stamps,
-        poses,
-        tuple((i, n.stamp_ns, topo.pose(i), n.snapshot is not None) for i, n in enumerate(topo.nodes)),
-        _edges(topo),
-        mapper.optimisation.state,
-        mapper.graph_hash(),
-        steps_per_s,
-        travel is Phase.ARRIVED if asked else None,
-        last.goal.node,
-        trust=mapper.optimisation.trust,
-        mount=mapper.mount,
-        topology_hash=mapper.topology_hash(),
-    )
-
-
-def map_now(topo: TopoMap) -> MapNow:
-    """Return the map as it stands, for viewers."""
-    return MapNow(tuple((i, topo.pose(i), n.snapshot is not None) for i, n in enumerate(topo.nodes)), _edges(topo))
-
-
-def _edges(topo: TopoMap) -> tuple[tuple[int, int, str], ...]:
-    return tuple((a, b, data["kind"]) for a, b, data in topo.graph.edges(data=True))
 
 
 def report_log(path: Path, out: Path, force: bool = False) -> RunResult:

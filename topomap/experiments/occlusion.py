@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from scipy.spatial import ConvexHull
 
-from topomap.bench.homing.bench import Entry
+from topomap.bench.homing.answers import Entry
 from topomap.bench.homing.contestant import Contestant, Pairwise, contestant
 from topomap.bench.homing.figures import vector_map
 from topomap.core.arrays import FloatArray

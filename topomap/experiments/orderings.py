@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from topomap.bench.homing.bench import Row
 from topomap.bench.homing.contestant import Contestant, Pairwise, Referenced, contestant
+from topomap.bench.homing.rows import Row
 from topomap.core.panorama import Panorama
 from topomap.core.records import HomeVector
 from topomap.experiments.study import Finding, Lab, draw_bars, row_values

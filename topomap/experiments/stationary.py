@@ -8,8 +8,8 @@ from typing import ClassVar
 import numpy as np
 from matplotlib.axes import Axes
 
-from topomap.bench.homing.bench import Row
 from topomap.bench.homing.contestant import Pairwise, view_at
+from topomap.bench.homing.rows import Row
 from topomap.bench.homing.table import JsonValue
 from topomap.core.arrays import Float32Array, FloatArray
 from topomap.core.geometry import TAU, wrap_all
@@ -21,7 +21,7 @@ from topomap.vision.arena import Arena, bearings_home
 from topomap.vision.contracts import Needs
 from topomap.vision.homing.dtw import DynamicWarping, RingPair, matched_home
 from topomap.vision.image.ring import RingSpec
-from topomap.vision.matching.kernels import dtw_path
+from topomap.vision.matching.dtw_kernels import dtw_path
 from topomap.vision.matching.ring_flow import fitted_flow
 
 ROOM = "a1original"

@@ -10,8 +10,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from topomap.bench.homing.bench import BenchSettings, Row, Table, bench
+from topomap.bench.homing.bench import BenchSettings, Table, bench
 from topomap.bench.homing.contestant import GIVEN, Contestant
+from topomap.bench.homing.rows import Row
 from topomap.bench.homing.table import JsonValue
 from topomap.bench.pool import Workers
 from topomap.core.arrays import FloatArray

@@ -14,7 +14,9 @@ from matplotlib.colors import Colormap, LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
-from topomap.bench.homing.bench import Entry, Row, Table
+from topomap.bench.homing.answers import Entry
+from topomap.bench.homing.bench import Table
+from topomap.bench.homing.rows import Row
 from topomap.core.arrays import FloatArray
 from topomap.core.records import Plan
 from topomap.evaluation.statistics import angular_errors

@@ -9,7 +9,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 
-from topomap.bench.homing.bench import Row, Table
+from topomap.bench.homing.bench import Table
+from topomap.bench.homing.rows import Row
 from topomap.evaluation.statistics import Interval
 from topomap.evaluation.summary import write_whole
 

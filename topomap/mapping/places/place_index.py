@@ -13,7 +13,7 @@ import numpy as np
 
 from topomap.core.arrays import Complex64Array, Float32Array, FloatArray, IntArray
 from topomap.vision.image.compare import RotationDifferences, Signature, rotation_differences, squared_differences
-from topomap.vision.matching.kernels import spectra_powers
+from topomap.vision.matching.spectra_kernels import spectra_powers
 
 FREQUENCIES = 16
 BLOCK = 64

@@ -15,7 +15,7 @@ from topomap.core.records import Alignment
 from topomap.vision.compass.curve import least
 from topomap.vision.contracts import Needs, Origin
 from topomap.vision.image.scale_planes import WARPING, WarpingSpec, WarpingView, warping_view
-from topomap.vision.matching.kernels import scale_planes
+from topomap.vision.matching.warping_kernels import scale_planes
 
 
 @dataclass(frozen=True, slots=True)

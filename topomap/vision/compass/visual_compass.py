@@ -15,7 +15,7 @@ from topomap.core.records import Alignment
 from topomap.vision.contracts import Needs, Origin
 from topomap.vision.homing.view_vector import same_views
 from topomap.vision.image.compare import Signature, SignatureSpec, parabola, signature, squared_differences
-from topomap.vision.matching.kernels import absolute_differences
+from topomap.vision.matching.difference_kernels import absolute_differences
 
 _SHARP = SignatureSpec(columns=180, rows=25, blur=0.0)
 

@@ -84,8 +84,6 @@ class BipolarMasks:
         if self.stage == "masks":
             return difference(_activity(current), _activity(goal))
         pairs = self._matched(current, goal)
-        if not pairs.weight.any():
-            return HomeVector(0.0, None, 0.0)
         here, there, weight = current.bearings[pairs.current], goal.bearings[pairs.goal], pairs.weight
         x = float(np.sum(weight * (np.cos(here) - np.cos(there))))
         y = float(np.sum(weight * (np.sin(here) - np.sin(there))))

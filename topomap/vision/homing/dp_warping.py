@@ -16,8 +16,8 @@ from topomap.core.panorama import Panorama
 from topomap.core.records import HomeVector
 from topomap.vision.contracts import Needs, Origin
 from topomap.vision.image.scale_planes import WARPING, WarpingSpec, WarpingView, warping_view
-from topomap.vision.matching.kernels import scale_planes
 from topomap.vision.matching.warping import CLEAR, NOISE, movements
+from topomap.vision.matching.warping_kernels import scale_planes
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,9 +15,9 @@ from topomap.core.panorama import Panorama
 from topomap.core.records import HomeVector
 from topomap.vision.contracts import Needs, Origin
 from topomap.vision.image.ring import RING, RingSpec, ring
+from topomap.vision.matching.dtw_kernels import dtw_pairs, dtw_path
 from topomap.vision.matching.image_flow import GreyView, fitted_image_flow, grey_view
 from topomap.vision.matching.inhibition import Inhibition, inhibited
-from topomap.vision.matching.kernels import dtw_pairs, dtw_path
 from topomap.vision.matching.ring_flow import FLOW, FlowSpec, fitted_flow
 from topomap.vision.matching.still import still
 

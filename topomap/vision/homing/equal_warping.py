@@ -17,8 +17,8 @@ from topomap.vision.contracts import Needs, Origin
 from topomap.vision.image.ring import RingSpec, ring
 from topomap.vision.image.scale_planes import WARPING, WarpingSpec, WarpingView, warping_view
 from topomap.vision.matching.equal_distance_search import Steps, equal_search, found, tables
-from topomap.vision.matching.kernels import scale_planes
-from topomap.vision.matching.warping import best, rotations
+from topomap.vision.matching.warping import least_home, rotations
+from topomap.vision.matching.warping_kernels import scale_planes
 
 STEPS = Steps()
 RING_144 = RingSpec(columns=144, bands=3, blur=2.0)
@@ -66,7 +66,7 @@ class RingWarping:
         first, width = rotations(0.0, self.window, n)
         cost = equal_search(planes, *tables(n, phases, 0, 2.0, self.steps), first, width)
         seen = bool(goal.columns.any() and current.columns.any())
-        return best(found(cost, first, goal.first_bearing, seen)).home or HomeVector(0.0, None, 0.0)
+        return least_home(found(cost, first, goal.first_bearing, seen))
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,4 +97,4 @@ class EqualWarping:
         first, width = rotations(0.0, self.window, n)
         cost = equal_search(planes, *tables(n, phases, levels - 1, self.spec.step, self.steps), first, width)
         seen = bool(goal.sums.any() and current.sums.any())
-        return best(found(cost, first, goal.first_bearing, seen)).home or HomeVector(0.0, None, 0.0)
+        return least_home(found(cost, first, goal.first_bearing, seen))

@@ -10,7 +10,7 @@ from topomap.core.panorama import Panorama
 from topomap.core.records import HomeVector
 from topomap.vision.contracts import Needs, Origin
 from topomap.vision.image.scale_planes import WARPING, WarpingSpec, WarpingView, warping_view
-from topomap.vision.matching.warping import best, warp
+from topomap.vision.matching.warping import least_home, warp
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,5 +32,4 @@ class MinWarping:
 
     def home(self, current: WarpingView, goal: WarpingView) -> HomeVector:
         """Return the bearing [rad] of the goal in the current robot's frame."""
-        found = best(warp(current, goal, 0.0, self.window)).home
-        return found or HomeVector(0.0, None, 0.0)
+        return least_home(warp(current, goal, 0.0, self.window))

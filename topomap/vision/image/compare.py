@@ -15,7 +15,7 @@ from topomap.core.arrays import Complex64Array, Float32Array, FloatArray
 from topomap.core.errors import ShapeError
 from topomap.core.geometry import TAU, wrap, wrap_all
 from topomap.core.panorama import Panorama
-from topomap.vision.matching.kernels import spectra_powers, spectra_products
+from topomap.vision.matching.spectra_kernels import spectra_powers, spectra_products
 
 BLANK = 1e-3
 """Standard deviation in grey values below which a picture holds nothing; it is then all zeros."""

@@ -108,9 +108,7 @@ def markers(panorama: Panorama, spec: MarkerSpec) -> Landmarks:
 
 
 def _runs(chosen: BoolArray) -> list[tuple[int, int]]:
-    """Return (first, length) of the runs around the circle."""
-    if chosen.all():
-        return []
+    """Return (first, length) of the runs around the circle; a whole one has no ends and is none."""
     starts = np.flatnonzero(chosen & ~np.roll(chosen, 1))
     ends = np.flatnonzero(chosen & ~np.roll(chosen, -1))
     return [(int(s), int(min((e - s) % len(chosen) for e in ends)) + 1) for s in starts]

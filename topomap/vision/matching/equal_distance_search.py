@@ -49,7 +49,7 @@ def tables(n: int, phases: int, levels: int, step: float, steps: Steps) -> tuple
 def equal_search(planes: Float32Array, shifts: IntArray, scales: IntArray, first: int, width: int) -> Float32Array:
     """Return the least mean cost (n, width) over rho, for each direction alpha and rotation first .. [columns].
 
-    planes: as `kernels.scale_planes` makes them.
+    planes: as `warping_kernels.scale_planes` makes them.
     """
     n = planes.shape[1]
     count = shifts.shape[0]

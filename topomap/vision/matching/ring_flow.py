@@ -10,7 +10,7 @@ import numpy as np
 from topomap.core.arrays import Float32Array, FloatArray
 from topomap.core.geometry import TAU
 from topomap.vision.image.compare import parabola
-from topomap.vision.matching.kernels import block_differences
+from topomap.vision.matching.difference_kernels import block_differences
 
 
 @dataclass(frozen=True, slots=True)

@@ -95,7 +95,7 @@ def _inverse(information: FloatArray, otherwise: float = 0.0) -> FloatArray:
     values, directions = np.linalg.eigh(pairs)
     least = TOLD * float(values[2])
     untold = (values <= least) & (directions[2] ** 2 < 0.5)
-    if values[0] <= least and untold.any():
+    if untold.any():
         kept = _without(directions[:2, untold])
         values, directions = np.linalg.eigh(kept @ pairs @ kept)
     inverse: FloatArray = inverse_of(values, directions, scale, least, otherwise)

@@ -18,7 +18,7 @@ from topomap.core.errors import ShapeError
 from topomap.core.geometry import TAU, wrap
 from topomap.core.records import Alignment, HomeVector
 from topomap.vision.image.scale_planes import WarpingView
-from topomap.vision.matching.kernels import scale_planes, warping_search
+from topomap.vision.matching.warping_kernels import scale_planes, warping_search
 
 NOISE, CLEAR = 0.08, 0.35
 """How far the best direction's cost lies below the mean of all: unrelated views or noise, and a clear view.
@@ -119,6 +119,13 @@ def best(found: WarpingCost) -> Alignment:
     confidence = min(max((contrast - NOISE) / (CLEAR - NOISE), 0.0), 1.0)
     home = HomeVector(wrap(direction + math.pi - rotation), None, confidence)
     return Alignment(rotation, least / found.level if found.level > 1e-9 else 1.0, home, refined is not None)
+
+
+def least_home(found: WarpingCost) -> HomeVector:
+    """Return the home vector of the least cost: there is always one, of confidence 0 where nothing is told."""
+    home = best(found).home
+    assert home is not None
+    return home
 
 
 _GRID = np.array([(a, t) for a in (-1.0, 0.0, 1.0) for t in (-1.0, 0.0, 1.0)])

@@ -1,0 +1,47 @@
+"""Products and powers of pictures' spectra, compiled: the same input gives the same bits."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from topomap.core.arrays import Complex64Array, FloatArray
+
+
+@njit(cache=True)
+def spectra_products(spectra: Complex64Array, conjugate: Complex64Array) -> Complex64Array:
+    """Return the sum over rows of spectra (N, R, F) times conjugate (R, F): (N, F).
+
+    Real and imaginary parts apart: the compiler then takes eight lines at once, and the bits stay the same.
+    """
+    count, rows, lines = spectra.shape
+    products = np.empty((count, lines), np.complex64)
+    real, imaginary = np.empty(lines, np.float32), np.empty(lines, np.float32)
+    for n in range(count):
+        real[:], imaginary[:] = 0.0, 0.0
+        for r in range(rows):
+            for f in range(lines):
+                a, b = spectra[n, r, f], conjugate[r, f]
+                real[f] += a.real * b.real - a.imag * b.imag
+                imaginary[f] += a.real * b.imag + a.imag * b.real
+        for f in range(lines):
+            products[n, f] = complex(real[f], imaginary[f])
+    return products
+
+
+@njit(cache=True)
+def spectra_powers(spectra: Complex64Array, columns: int) -> FloatArray:
+    """Return each picture's mean power (N,) from its half spectrum (R, F): every line but the first and the Nyquist
+    line counts twice (Parseval).
+    """
+    count, rows, lines = spectra.shape
+    powers = np.zeros(count)
+    single = lines - 1 if columns % 2 == 0 else lines
+    for n in range(count):
+        for r in range(rows):
+            for f in range(lines):
+                value = spectra[n, r, f]
+                energy = value.real * value.real + value.imag * value.imag
+                powers[n] += energy if f == 0 or f == single else 2.0 * energy
+        powers[n] /= rows * columns * columns
+    return powers
