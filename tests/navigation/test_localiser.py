@@ -111,7 +111,7 @@ def test_where_views_are_alike_over_metres_the_belief_is_no_surer_than_odometry(
             mapper.recognition.catchment.learn(times * alike, difference)
     assert (mapper.alike > 1.0) == (not said)
     here = mapper.track.pose
-    there = here @ Pose2(1.5, 0.0, 0.0)
+    there = here @ Pose2(1.5, 0.0, 0.45)
     localiser = Localiser()
     localiser._belief = belief = Belief(Mixture.at(there.array(), np.diag([0.01, 0.01, 0.001]), 1e-4), mapper.map)
     localiser._right = mapper.map.chain[-3]

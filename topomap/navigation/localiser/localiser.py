@@ -139,7 +139,8 @@ class Localiser:
         belief = self._belief
         assert belief is not None
         off = mapper.track.pose.to(where.pose)
-        apart = math.hypot(off.x, off.y) > max(ASTRAY, _alike(mapper)) or abs(off.heading) > ASTRAY_TURN
+        alike = _alike(mapper)
+        apart = math.hypot(off.x, off.y) > max(ASTRAY, alike) or (abs(off.heading) > ASTRAY_TURN and not alike)
         if not apart and where.lost < DOUBTFUL:
             self._right = mapper.map.chain[-1]
         if where.lost >= SURE or belief.stretches < STRETCHES:
