@@ -115,8 +115,6 @@ def _header_in_parts(file: McapFile) -> Header:
     if run is None:
         cut = "" if file.contents.complete else ", or cut off inside its header"
         raise LogError(f"{file.path}: not a log of topomap{cut} (no {head.RUN} record)")
-    if run.get("format") != head.FORMAT:
-        raise LogError(f"{file.path}: log format {run.get('format')}, this version reads {head.FORMAT}")
     config, plan = file.attachment(head.CONFIG), file.attachment(head.PLAN)
     if config is None or plan is None:
         raise LogError(f"{file.path}: cut off inside its header")

@@ -64,11 +64,13 @@ def arguments(function: object) -> Iterator[tuple[str, object]]:
 
 
 def flat(value: object) -> list[float] | None:
-    """Return the numbers of a number, an array or a tuple, None where it holds anything else."""
+    """Return the numbers of a number, an array, a tuple or a dict, None where it holds anything else."""
     if isinstance(value, (bool, int, float)):
         return [float(value)]
     if isinstance(value, np.ndarray) and value.dtype.kind in "fiu":
         return [float(one) for one in value.ravel()]
+    if isinstance(value, dict):
+        value = tuple(value.items())
     if isinstance(value, tuple) and value:
         parts = [flat(one) for one in value]
         return None if any(part is None for part in parts) else [one for part in parts for one in part or ()]

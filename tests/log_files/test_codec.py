@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import struct
 from pathlib import Path
+from typing import Optional
 
 import pytest
 from hypothesis import given, settings
@@ -13,7 +14,8 @@ import logs.schemas
 from logs import records as log
 from logs.errors import LogError
 from logs.schemas.codec import RECORDS, decode, encode
-from logs.schemas.descriptor import proto_text
+from logs.schemas.descriptor import Shape, _shape, file_descriptor, proto_text, shapes
+from logs.schemas.wire import too_many_fields
 
 floats = st.floats(allow_nan=False)
 int64 = st.integers(-(2**63), 2**63 - 1)
@@ -75,6 +77,37 @@ def test_a_missing_nested_record_stays_none() -> None:
 def test_rubbish_is_a_log_error() -> None:
     with pytest.raises(LogError, match="Odometry"):
         decode(log.Odometry, b"\xff\xff\xff")
+
+
+@pytest.mark.parametrize(
+    "hint", [int | str, int | str | None, tuple[int, str], tuple[int, int], list[int], complex, dict[str, int]]
+)
+def test_a_type_without_a_protobuf_form_is_refused(hint: object) -> None:
+    with pytest.raises(TypeError, match="no protobuf form for thing"):
+        _shape("thing", hint)
+
+
+def test_a_field_is_one_value_several_or_maybe_none() -> None:
+    assert _shape("a", float) == Shape("a", float, False)
+    assert _shape("a", log.Pose | None) == Shape("a", log.Pose, True, optional=True)
+    assert _shape("a", Optional[int]) == Shape("a", int, False, optional=True)  # noqa: UP045 as older code writes it
+    assert _shape("a", tuple[log.Pose, ...]) == Shape("a", log.Pose, True, repeated=True)
+
+
+def test_a_scalar_that_may_be_none_stands_in_a_oneof_of_its_own() -> None:
+    for record, message in zip(RECORDS, file_descriptor(RECORDS).message_type, strict=True):
+        maybe = [shape.name for shape in shapes(record) if shape.optional and not shape.nested]
+        assert [one.name for one in message.oneof_decl] == [f"_{name}" for name in maybe]
+        assert [field.name for field in message.field if field.proto3_optional] == maybe
+
+
+def test_values_are_counted_before_they_are_made() -> None:
+    fixed, half = bytes([1 << 3 | 1]) + bytes(8), bytes([2 << 3 | 5]) + bytes(4)
+    several = bytes([3 << 3 | 2, 3, 200, 200, 200])
+    message = fixed + half + several + bytes([4 << 3, 200, 1])
+    assert not too_many_fields(message, 4)
+    assert too_many_fields(message, 3)
+    assert not too_many_fields(message[:-1], 3)  # cut off: left to the decoder
 
 
 def test_the_committed_proto_is_what_the_records_say() -> None:

@@ -11,8 +11,8 @@ from log_samples import EPOCH, STEP, header, jpeg, odometry, write_log, write_st
 from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
 
+from logs import mcap_file, topics
 from logs import records as log
-from logs import topics
 from logs.config import LogConfig
 from logs.errors import LogError
 from logs.info import info
@@ -89,6 +89,14 @@ def test_the_header_reads_back_equal(tmp_path: Path) -> None:
         assert reader.complete
 
 
+def test_a_log_of_another_format_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("logs.header.FORMAT", "2")
+    write_log(tmp_path / "run.mcap", 1)
+    monkeypatch.undo()
+    with pytest.raises(LogError, match=r"run.mcap: its header can't be read \(log format 2, this version reads 1\)"):
+        LogReader(tmp_path / "run.mcap")
+
+
 def test_records_and_stamps_read_back_in_order(tmp_path: Path) -> None:
     steps = write_log(tmp_path / "run.mcap", 12, chunk_size=4096)
     with LogReader(tmp_path / "run.mcap") as reader:
@@ -118,6 +126,18 @@ def test_same_input_same_bytes(tmp_path: Path) -> None:
     for name in ("a", "b"):
         write_log(tmp_path / name, 5)
     assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes()
+
+
+def test_only_chunks_of_the_wanted_time_are_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write_log(tmp_path / "run.mcap", 20, chunk_size=1)
+    read: list[int] = []
+    chunk = mcap_file._chunk
+    monkeypatch.setattr(mcap_file, "_chunk", lambda file, at, budget: read.append(at) or chunk(file, at, budget))
+    low, high = EPOCH + 5 * STEP, EPOCH + 7 * STEP
+    with LogReader(tmp_path / "run.mcap") as reader:
+        found = [item.stamp_ns for item in reader.file.items([topics.ODOMETRY], low, high)]
+    assert found == [low, low + STEP, high]
+    assert len(read) == 3
 
 
 def test_close_twice_and_attach(tmp_path: Path) -> None:

@@ -108,6 +108,19 @@ def test_a_repaired_log_says_what_it_was_repaired_from(tmp_path: Path, whole: by
     assert recover(target, again).state.word == info(again).state.word == "recovered"
 
 
+def test_a_repaired_log_keeps_the_schemas_of_its_messages(tmp_path: Path, whole: bytes) -> None:
+    path, target = tmp_path / "run.mcap", tmp_path / "copy.mcap"
+    path.write_bytes(whole)
+    recover(path, target)
+
+    def told(file: Path) -> list[tuple[str, str, int]]:
+        with LogReader(file) as reader:
+            return [(item.topic, item.schema, item.stamp_ns) for item in reader.file.items()]
+
+    assert told(target) == told(path)
+    assert all(schema for _, schema, _ in told(target))
+
+
 def test_a_repair_that_fails_leaves_nothing_behind(
     tmp_path: Path, whole: bytes, monkeypatch: pytest.MonkeyPatch
 ) -> None:

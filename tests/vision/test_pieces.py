@@ -11,18 +11,23 @@ import pytest
 from topomap.core.errors import DataError
 from topomap.core.geometry import TAU
 from topomap.core.panorama import Panorama
+from topomap.core.records import Alignment, HomeVector
 from topomap.core.rig import Rig
 from topomap.vision.arena import central, spread
+from topomap.vision.compass.scale_plane_compass import ScalePlaneCompass
 from topomap.vision.contracts import Needs
 from topomap.vision.eye_level import _peak
+from topomap.vision.homing import auto
 from topomap.vision.homing.convergence_point import ConvergencePoint
 from topomap.vision.homing.did_moves import TrialMoves
 from topomap.vision.homing.equal_warping import EqualWarping, RingWarping
 from topomap.vision.homing.matched_filter import _upward
 from topomap.vision.homing.view_vector import ViewVector
 from topomap.vision.image.distances import fitted_coefficients, polynomial
+from topomap.vision.image.keypoints import Keypoints, matched_keypoints
 from topomap.vision.image.landmarks import MarkerSpec, _runs, markers
 from topomap.vision.image.pixel_selection import selected
+from topomap.vision.image.scale_planes import WarpingSpec
 from topomap.vision.matching.moment_potential import _gradient
 from topomap.vision.matching.scan_search import _turns
 from topomap.vision.matching.warping import rotations
@@ -166,3 +171,32 @@ def test_the_fitted_cubic_is_the_floors_distance_and_nothing_where_there_is_no_f
     assert told == pytest.approx(rig.camera_height * rig.focal / (rows - rig.horizon_row), rel=0.1)
     assert fitted_coefficients(replace(rig, horizon_row=rig.height - 1.0)) == (0.0, 0.0, 0.0, 0.0)
     assert polynomial(np.array([2.0])) == pytest.approx([0.1 + 0.1 + 4 * 0.000143 + 8 * 0.0000018])
+
+
+@pytest.mark.parametrize("third", range(5))
+def test_a_turn_of_thirds_of_a_column_is_found(third: int) -> None:
+    compass = ScalePlaneCompass(WarpingSpec(72, 50, phases=3))
+    rng = np.random.default_rng(6)
+    fine = np.repeat(np.repeat(rng.integers(0, 256, (25, 108, 3), dtype=np.uint8), 4, axis=0), 4, axis=1)
+    rig = Rig(432, 100, 49.5, 432 / TAU)
+    goal, turned = Panorama(fine, None, rig), Panorama(np.roll(fine, 2 * third, axis=1), None, rig)
+    found = compass.align(turned, goal).rotation
+    assert abs(found) == pytest.approx(2 * third * TAU / 432, abs=0.3 * TAU / 216)
+
+
+def test_two_points_a_view_are_enough_to_be_matched_and_one_is_not() -> None:
+    def points(count: int) -> Keypoints:
+        return Keypoints(np.arange(float(count)), np.zeros(count), np.eye(count, 128, dtype=np.float32), Rig())
+
+    assert matched_keypoints(points(2), points(2)).rays[:, 0].tolist() == [0.0, 1.0]
+    assert not len(matched_keypoints(points(2), points(1)).rays)
+    assert not len(matched_keypoints(points(1), points(2)).rays)
+
+
+def test_a_distance_that_is_told_is_kept_and_one_that_is_not_is_measured(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(auto, "_distance", lambda *_: 7.0)
+    for told, kept in ((1.5, 1.5), (0.0, 0.0), (None, 7.0)):
+        found = Alignment(0.1, 0.5, HomeVector(0.3, told, 0.9))
+        answer = auto.Auto()._sure("range", 0.5, found, blank(), blank())
+        assert answer.alignment.home is not None
+        assert answer.alignment.home.distance == kept
