@@ -36,9 +36,10 @@ mutate: $(VENV)/.test ## a sample of small mistakes, each to be noticed by a tes
 
 KEEP := --keep docs/results
 DISTURBED := "turned,moved,carried,carried late,blind ranges,dead odometry,very noisy odometry"
+WEATHER := sweep room-corridor --seeds 0 --variants examples/sweeps/real-weather.toml
 ROOMS := a1original,screen,arboreal,hall1,ourlab,cylinders
 
-results: $(VENV)/.test ## the figures of docs/results, docs/THESIS.md and docs/ROBUST.md anew: hours; GRIDS=folders of panoramas, TOPOMAP_DATA=recorded data
+results: $(VENV)/.test ## the figures of docs/results, docs/THESIS.md and docs/ROBUST.md anew: hours; GRIDS=, DRIVES=folders of panoramas, TOPOMAP_DATA=recorded data
 	for c in given A6; do $(BIN)/topomap bench homing --env $(ROOMS) --seeds 0-4 --every 16 --compass $$c \
 		--starts 0 --no-pictures $(KEEP)/homing.csv || exit 1; done
 	for g in $(GRIDS); do for w in 0.1 0.3 0.5 0.7; do $(BIN)/topomap bench homing --grid $$g --within $$w \
@@ -48,6 +49,10 @@ results: $(VENV)/.test ## the figures of docs/results, docs/THESIS.md and docs/R
 	$(BIN)/topomap bench spacing $(KEEP)/spacing.csv
 	$(BIN)/topomap bench study all --seeds 0-1 --every 8 $(KEEP)/studies.csv
 	$(BIN)/topomap bench mission
+	for d in $(DRIVES); do $(BIN)/topomap bench drive $$d --draws 3 --scale 1 --scale 3 --scale 10 \
+		--every 1 --every 2 --every 4 $(KEEP)/drives.csv || exit 1; done
+	$(BIN)/topomap $(WEATHER) --out runs/weather
+	( echo "# topomap $(WEATHER)"; cat runs/weather/sweep.csv ) > docs/results/real-weather.csv
 	$(BIN)/topomap bench breaks $(KEEP)/breaks.csv
 	$(BIN)/topomap bench faults $(KEEP)/faults.csv
 	$(BIN)/topomap bench journeys --worlds room-corridor,hall --seeds 20-22 --kinds $(DISTURBED) --count 2 --goal any \

@@ -10,8 +10,9 @@ from pathlib import Path
 import pytest
 from drive_folders import write_drive
 
-from topomap.bench.recordings.drives import DriveTask, DriveVariation, to_csv, to_json, variations
-from topomap.mapping.mapper import MapperSettings
+from topomap.app.config import StackConfig
+from topomap.app.drive_bench import DriveTask
+from topomap.bench.recordings.drives import KEPT, KEYS, DriveVariation, kept_row, to_csv, to_json, variations
 
 
 def test_every_combination_is_a_variation() -> None:
@@ -23,13 +24,13 @@ def test_every_combination_is_a_variation() -> None:
 @pytest.mark.xfail(strict=True, reason="one of sixteen is missed since rivals are told by the catchment")
 def test_every_revisit_of_a_drive_is_found(tmp_path: Path) -> None:
     folder = write_drive(tmp_path / "drive", 130)
-    rows = [DriveTask(folder, DriveVariation(draw=draw), MapperSettings()).perform() for draw in (0, 1)]
+    rows = [DriveTask(folder, DriveVariation(draw=draw), StackConfig()).perform() for draw in (0, 1)]
     assert [row.recall for row in rows] == [1.0, 1.0]
 
 
 def test_a_drive_is_mapped_and_judged(tmp_path: Path) -> None:
     folder = write_drive(tmp_path / "drive", 130)
-    rows = [DriveTask(folder, DriveVariation(draw=draw), MapperSettings()).perform() for draw in (0, 1)]
+    rows = [DriveTask(folder, DriveVariation(draw=draw), StackConfig()).perform() for draw in (0, 1)]
     for row in rows:
         assert row.false == 0
         assert row.map_m is not None
@@ -37,7 +38,11 @@ def test_a_drive_is_mapped_and_judged(tmp_path: Path) -> None:
         assert row.map_m < 0.5 * row.dead_reckoning_m
         assert row.kept.startswith("all evidence")
     assert rows[0].true_rotation_scale != rows[1].true_rotation_scale
-    again = DriveTask(folder, DriveVariation(draw=0), MapperSettings()).perform()
+    again = DriveTask(folder, DriveVariation(draw=0), StackConfig()).perform()
     assert again.map_m == rows[0].map_m
     assert json.loads(to_json(rows))[1]["draw"] == 1
     assert [line["draw"] for line in csv.DictReader(io.StringIO(to_csv(rows)))] == ["0", "1"]
+    assert len(kept_row("drive", rows[0])) == len(KEPT)
+    assert kept_row("drive", rows[0])[:KEYS] == ("drive", "1", "1", "0", "1")
+    assert rows[0].farthest_m is not None
+    assert 0.0 < rows[0].farthest_m < 1.0

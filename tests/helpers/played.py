@@ -40,9 +40,9 @@ class Kept:
         self.records.append(record)
 
 
-def taught(steps: int) -> list[SimReading]:
-    """The first readings of room-corridor, seed 0."""
-    robot = SimRobot(worlds.load("room-corridor"), load_config().sim, 0)
+def taught(steps: int, world: str = "room-corridor") -> list[SimReading]:
+    """The first readings of a world, seed 0."""
+    robot = SimRobot(worlds.load(world), load_config().sim, 0)
     readings = [robot.sense() for _ in range(steps)]
     return [reading for reading in readings if reading is not None]
 

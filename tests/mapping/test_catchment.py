@@ -10,7 +10,7 @@ import pytest
 from topomap.core.geometry import Pose2
 from topomap.mapping.closures.appearance import RIVAL_DISTANCE, apart
 from topomap.mapping.closures.claims import Claims
-from topomap.mapping.closures.closure_tests import Beside, Knowledge
+from topomap.mapping.closures.closure_tests import Beside, Knowledge, Placed
 from topomap.mapping.places.catchment import Catchment, steps_back
 from topomap.mapping.places.contrast import FEWEST, Contrast
 
@@ -79,3 +79,19 @@ def test_odometry_tells_what_lies_beside_where_views_do_not(aside: float, sigma:
     knowledge = Knowledge.of_one(poses, np.diag([1.0, 1.0, 1e-4]))
     assert np.isneginf(Beside(0.8).weigh(claim, knowledge)[0]) == refused
     assert "apart by odometry" in Beside(0.8).reason(claim, knowledge)
+
+
+@pytest.mark.parametrize(("sigma", "unsure", "aside"), [(0.35, 3.0, 0.0), (1.3, 0.6, 0.7), (5.0, 1.8, 0.1)])
+def test_what_sight_and_odometry_leave_to_chance_is_no_closure(sigma: float, unsure: float, aside: float) -> None:
+    """Against draws from where both together have the spot."""
+    claim = Claims.of_one(0, 1, Pose2(), np.diag([sigma, sigma, 0.07]) ** 2)
+    poses = np.array([[0.0, 0.0, 0.0], [0.0, aside, 0.0]])
+    map_errors = np.diag([unsure, 0.6 * unsure, 0.0]) ** 2
+    knowledge = Knowledge.of_one(poses, map_errors)
+    covariance = np.linalg.inv(np.linalg.inv(map_errors[:2, :2]) + np.eye(2) / sigma**2)
+    mean = covariance @ np.linalg.inv(map_errors[:2, :2]) @ [0.0, aside]
+    drawn = np.random.default_rng(0).multivariate_normal(mean, covariance, 100_000)
+    share = float((np.hypot(*drawn.T) < 1.0).mean())
+    assert Placed(share - 0.01).weigh(claim, knowledge)[0] == 0.0
+    assert np.isneginf(Placed(share + 0.01).weigh(claim, knowledge)[0])
+    assert "sight and odometry don't tell where" in Placed(1.0).reason(claim, knowledge)

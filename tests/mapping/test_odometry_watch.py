@@ -164,3 +164,34 @@ def test_a_slip_along_a_corridor_is_told_by_the_view(times: float) -> None:
     assert [30 <= k <= 37 for k, _ in mended] == [True]
     assert "odometry untrue" in mended[0][1]
     assert true.distance(pose) < 0.35, "0.8 to 2.4 m were counted wrongly"
+
+
+def faster(readings: list[SimReading], since: int, times: int) -> list[SimReading]:
+    """The same drive, from a reading on so many times as fast."""
+    fast = []
+    for k in range(since + times - 1, len(readings), times):
+        poses = Pose2()
+        for reading in readings[k - times + 1 : k + 1]:
+            poses = advance(poses, Motion(reading.motion.forward, 0.0, reading.motion.turn, np.eye(3), 0.25))
+        half = poses.heading / 2
+        forward = np.cos(half) * poses.x + np.sin(half) * poses.y
+        left = np.cos(half) * poses.y - np.sin(half) * poses.x
+        fast.append(moved(readings[k], forward=float(forward), left=float(left), turn=poses.heading))
+    return readings[:since] + fast
+
+
+@pytest.mark.parametrize("times", [4, 6])
+def test_who_drives_much_faster_where_views_change_slowly_is_believed(times: int) -> None:
+    seen = blind(faster(taught(100, "hall"), 40, times))
+    assert max(reading.motion.forward for reading in seen) > 0.35
+    assert watched(seen)[:2] == ([], [])
+
+
+@pytest.mark.parametrize(("at", "times"), [(15, 2), (33, 2), (63, 2), (64, 1), (67, 3)])
+def test_a_frame_that_the_camera_repeats_is_no_break_once_it_goes_on(at: int, times: int) -> None:
+    """Straight on and in a turn: the next view shows what the wheels did in all steps since the last new one."""
+    seen = blind(taught(at + 12))
+    again = seen[at - 1]
+    stale = [replace(r, image=again.image, encoded=again.encoded) if at <= k < at + times else r
+             for k, r in enumerate(seen)]  # fmt: skip
+    assert watched(stale)[:2] == ([], [])

@@ -13,7 +13,7 @@ from topomap.mapping.odometry.increments import Calibration
 from topomap.mapping.optimizer import TurnEdge
 from topomap.mapping.uncertainty.incremental_chain import IncrementalChain
 from topomap.mapping.uncertainty.odometry_chain import Chain, carried_to_origin
-from topomap.mapping.uncertainty.path_covariance import best_way, seen_from_all, turned
+from topomap.mapping.uncertainty.path_covariance import best_way, joined_way, seen_from_all, turned
 
 UNSURE = np.diag([0.05, 0.01, 0.1]) ** 2
 CLOSURE = np.diag([0.1, 0.2, 0.05]) ** 2
@@ -128,3 +128,27 @@ def test_a_measured_turn_takes_away_what_it_tells_and_no_more() -> None:
     plain = Chain.of(poses, edges, Calibration(), np.zeros((3, 3)))
     assert np.allclose(bare.random, plain.random)
     assert np.allclose(bare.systematic, plain.systematic)
+
+
+def test_closures_along_two_stretches_add_up_as_in_a_solve_of_all() -> None:
+    """Against the covariance of the same chain and closures by their normal equations."""
+    chain = made_chain()
+    ends = np.array([[12, 33], [9, 36], [5, 40]])
+    carry = carried_to_origin(chain.poses[ends[:, 0]], chain.poses[ends[:, 1]])
+    closures = carry @ CLOSURE[None] @ carry.transpose(0, 2, 1)
+    nothing = np.zeros((3, 3))
+    found = joined_way(chain.random, chain.systematic, nothing, 4, 42, ends, closures)
+    steps = np.diff(chain.random, axis=0)[4:42]
+    rows = [np.kron(np.eye(len(steps)), np.eye(3))]
+    noise = [np.linalg.inv(step) for step in steps]
+    for (a, b), closure in zip(ends, closures, strict=True):
+        between_them = ((np.arange(4, 42) >= a) & (np.arange(4, 42) < b)).astype(float)
+        rows.append(np.kron(between_them[None], np.eye(3)))
+        noise.append(np.linalg.inv(closure))
+    jacobian = np.concatenate(rows)
+    weight = np.zeros((len(jacobian), len(jacobian)))
+    for k, one in enumerate(noise):
+        weight[3 * k : 3 * k + 3, 3 * k : 3 * k + 3] = one
+    whole = np.kron(np.ones((1, len(steps))), np.eye(3))
+    expected = whole @ np.linalg.solve(jacobian.T @ weight @ jacobian, whole.T)
+    assert np.allclose(found, expected, rtol=1e-6)

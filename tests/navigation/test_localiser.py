@@ -6,6 +6,7 @@ import copy
 import math
 from itertools import pairwise
 
+import numpy as np
 import pytest
 from kept import as_before, of_drive
 
@@ -15,8 +16,11 @@ from sim2d.records import SetDown
 from sim2d.robot import SimRobot
 from topomap.app.config import load_config
 from topomap.app.kidnapped import Lesson, search, tally, teach
-from topomap.core.records import StepRecord
+from topomap.core.geometry import Pose2
+from topomap.core.records import StepRecord, Where
 from topomap.navigation.localiser import ANYWHERE, Localiser
+from topomap.navigation.localiser.belief import Belief
+from topomap.navigation.localiser.mixture import Mixture
 
 PART = ["sim.driver.laps=0.3", "sim.camera.noise=2.0"]
 
@@ -95,3 +99,24 @@ def test_finding_itself_is_as_before(lesson: Lesson) -> None:
 
 def test_the_lesson_and_the_way_home_are_as_before(lesson: Lesson) -> None:
     as_before("way home", of_drive(journey(lesson, {"kidnaps": [{"handed_over_s": 2.0, "along": -5.0}]}, 60), 2))
+
+
+@pytest.mark.parametrize(("alike", "said"), [(0.3, "the odometry was 1.5 m off"), (2.0, "")])
+def test_where_views_are_alike_over_metres_the_belief_is_no_surer_than_odometry(
+    lesson: Lesson, alike: float, said: str
+) -> None:
+    mapper = copy.deepcopy(lesson.navigator).mapper
+    for _ in range(60):
+        for times, difference in ((0.25, 0.1), (0.5, 0.2), (1.0, 0.5), (2.0, 1.0), (4.0, 1.0), (16.0, 1.0)):
+            mapper.recognition.catchment.learn(times * alike, difference)
+    assert (mapper.alike > 1.0) == (not said)
+    here = mapper.track.pose
+    there = here @ Pose2(1.5, 0.0, 0.45)
+    localiser = Localiser()
+    localiser._belief = belief = Belief(Mixture.at(there.array(), np.diag([0.01, 0.01, 0.001]), 1e-4), mapper.map)
+    localiser._right = mapper.map.chain[-3]
+    belief.stretches = 3
+    doubt = localiser._doubt(belief, mapper)
+    assert doubt == pytest.approx(1e-4, rel=0.01) if not said else doubt == 1.0
+    assert localiser._mend(Where(there, 0, 0.1, 1e-4), mapper, driven=True).startswith(said)
+    assert (mapper.track.pose.distance(here) < 1e-9) == (not said)

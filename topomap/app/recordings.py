@@ -14,7 +14,6 @@ from topomap.app.logged_run import Progress
 from topomap.app.runs import RunResult, conclude, execute
 from topomap.app.wiring import versions
 from topomap.bench.pool import Store, workers
-from topomap.bench.recordings import drives
 from topomap.bench.recordings.figure import firmness
 from topomap.bench.recordings.made_odometry import with_made_odometry
 from topomap.bench.recordings.stability import RecordingRow, RecordingTask, Variation, to_csv, to_json
@@ -101,25 +100,3 @@ def write_bench(rows: Sequence[RecordingRow], out: Path) -> tuple[Path, ...]:
     write_whole(out / "recording.csv", to_csv(rows))
     write_whole(out / "recording.png", png(firmness(rows)))
     return tuple(out / f"recording.{kind}" for kind in ("json", "csv", "png"))
-
-
-def bench_drive(
-    path: Path,
-    variations: Sequence[drives.DriveVariation],
-    config: RunConfig,
-    jobs: int,
-    progress: Callable[[int], None],
-) -> list[drives.DriveRow]:
-    """Map a folder's drive in every given way with made odometry, on so many processes. Raises DataError."""
-    with_made_odometry(read_folder(path), 0)  # a broken file is told before any process starts
-    done = itertools.count(1)
-    tasks = [drives.DriveTask(path, v, config.stack.mapper) for v in variations]
-    with workers(jobs, Store(None)) as hands:
-        return hands.run(tasks, lambda: progress(next(done)))
-
-
-def write_drive_bench(rows: Sequence[drives.DriveRow], out: Path) -> tuple[Path, ...]:
-    """Write drive.json and drive.csv."""
-    write_whole(out / "drive.json", drives.to_json(rows))
-    write_whole(out / "drive.csv", drives.to_csv(rows))
-    return out / "drive.json", out / "drive.csv"

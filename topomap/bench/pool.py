@@ -114,19 +114,26 @@ class Workers:
         self._store = store
         self._pool = pool
 
-    def run(self, tasks: Sequence[Task[T]], advance: Callable[[], None]) -> list[T]:
-        """Return the results in the order of the tasks; `advance` is called after each that is done."""
+    def run(
+        self, tasks: Sequence[Task[T]], advance: Callable[[], None], take: Callable[[T], None] | None = None
+    ) -> list[T]:
+        """Return the results in the order of the tasks; `advance` is called after each that is done, `take` with it."""
         results: dict[int, T] = {}
+
+        def done(i: int, result: T) -> None:
+            results[i] = result
+            if take is not None:
+                take(result)
+            advance()
+
         for i, task in enumerate(tasks):
             kept = self._store.get(task)
             if kept is not None:
-                results[i] = kept
-                advance()
+                done(i, kept)
         missing = [i for i in range(len(tasks)) if i not in results]
         for i, result in self._performed(tasks, missing):
             self._store.put(tasks[i].key, result)
-            results[i] = result
-            advance()
+            done(i, result)
         return [results[i] for i in range(len(tasks))]
 
     def _performed(self, tasks: Sequence[Task[T]], missing: list[int]) -> Iterator[tuple[int, T]]:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import typer
 
-from topomap.cli.bench_commands import OUT, benches
+from topomap.cli.bench_commands import KEEP, OUT, benches
 from topomap.cli.console import console, grid, progress, show_wide
 from topomap.cli.words import CONFIG, SETTINGS
 
@@ -74,16 +74,17 @@ def drive(
     settings: list[str] = SETTINGS,
     jobs: int | None = typer.Option(None, min=1, help="Processes [all cores]."),
     out: Path = typer.Option(OUT / "drive", help="Folder for the table."),
+    keep: Path | None = KEEP,
 ) -> None:
     """Map a drive of panoramas with odometry made from its true positions, with drift and noise, in many ways."""
-    from topomap.app import recordings
+    from topomap.app import drive_bench
     from topomap.app.config import load_config
     from topomap.app.words import cores
     from topomap.bench.recordings.drives import variations
 
     chosen, which = load_config(config, settings), variations(scale, every, draws, declared)
     with progress(path.resolve().name, len(which)) as advance:
-        rows = recordings.bench_drive(path, which, chosen, jobs or cores(), advance)
+        rows = drive_bench.bench_drive(path, which, chosen, jobs or cores(), advance, keep)
     shown = grid(path.resolve().name, DRIVE_HEADINGS)
     for row in rows:
         shown.add_row(
@@ -93,7 +94,7 @@ def drive(
             _scale(row.rotation_scale, row.rotation_sigma, row.true_rotation_scale), row.kept,
         )  # fmt: skip
     show_wide(shown)
-    for written in recordings.write_drive_bench(rows, out):
+    for written in drive_bench.write_drive_bench(rows, out):
         console.print(str(written), soft_wrap=True)
 
 

@@ -159,6 +159,11 @@ class Mapper:
         return self._watch.turned
 
     @property
+    def alike(self) -> float:
+        """The way over which views are alike here [m], 0 while it isn't known."""
+        return self.recognition.catchment.length
+
+    @property
     def located(self) -> int:
         """How many snapshots, of the first ones, lie where the map has them: those before a gap that is open."""
         return len(self.recognition) if self._gap is None else self._before_gap

@@ -4,20 +4,14 @@ from __future__ import annotations
 
 import itertools
 import json
-import time
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
-from pathlib import Path
+from dataclasses import asdict, dataclass, fields
 
-from topomap.bench.recordings.drive_map import map_readings
-from topomap.bench.recordings.made_odometry import DEFAULT, scaled, thinned, with_made_odometry
 from topomap.core.records import Estimate
 from topomap.core.run_data import RunData
-from topomap.datasets.drive_folder import read_folder
-from topomap.evaluation.closures import count
+from topomap.evaluation.closures import accepted, count
 from topomap.evaluation.rows import rows_csv
 from topomap.evaluation.trajectory import ate
-from topomap.mapping.mapper import MapperSettings
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,6 +30,9 @@ class DriveVariation:
 class DriveRow:
     """What came of a variation: ATE SE(2) [m]; closures accepted, false, possible and recalled; the distance and the
     rotation scale found with sigmas and true (None: unobserved); which map was kept.
+
+    false_ever: with those taken back later; farthest_m: true way between the two places of the accepted closure that
+    joins the farthest.
     """
 
     scale: float
@@ -47,6 +44,8 @@ class DriveRow:
     online_m: float | None
     accepted: int
     false: int | None
+    false_ever: int | None
+    farthest_m: float | None
     possible: int | None
     recall: float | None
     distance_scale: float | None
@@ -59,39 +58,17 @@ class DriveRow:
     seconds: float
 
 
-@dataclass(frozen=True, slots=True)
-class DriveTask:
-    """Map a drive one way: a pool Task."""
-
-    folder: Path
-    variation: DriveVariation
-    settings: MapperSettings
-
-    @property
-    def key(self) -> str:
-        """All that decides the result but the drive itself."""
-        return repr((str(self.folder), self.variation, self.settings))
-
-    def perform(self) -> DriveRow:
-        """Make the odometry, map and judge."""
-        v = self.variation
-        drive = thinned(scaled(read_folder(self.folder), v.scale), v.every)
-        drive, known = with_made_odometry(drive, v.draw, replace(DEFAULT, declared=v.declared))
-        begin = time.perf_counter()
-        run = map_readings(drive, self.settings, known)
-        return drive_row(v, run, time.perf_counter() - begin)
-
-
 def drive_row(v: DriveVariation, run: RunData, seconds: float) -> DriveRow:
     """Return what the truth says of a mapped drive."""
     found, truth, calibration = count(run), run.truth, run.calibration
+    apart = [closure.judgement.distance for closure in accepted(run) if closure.judgement is not None]
     assert truth is not None
     assert calibration is not None
     distance, rotation = calibration.distance_scale, calibration.rotation_scale
     return DriveRow(
         v.scale, v.every, v.draw, v.declared,
         ate(run.dead_reckoning, truth), ate(run.final, truth), ate(run.online, truth),
-        found.accepted, found.false, found.possible, found.recall,
+        found.accepted, found.false, found.false_ever, max(apart, default=None), found.possible, found.recall,
         _seen(distance), distance.sigma, run.true_calibration.distance_scale,
         _seen(rotation), rotation.sigma, run.true_calibration.rotation_scale,
         run.trust.kept, seconds,
@@ -113,6 +90,20 @@ def to_json(rows: Sequence[DriveRow]) -> str:
 def to_csv(rows: Sequence[DriveRow]) -> str:
     """Return the rows as CSV with a header."""
     return rows_csv(rows, DriveRow)
+
+
+KEYS = 5
+KEPT = ("drive", *(field.name for field in fields(DriveRow)))
+"""Columns of a kept row; the first five cells tell rows apart."""
+
+
+def kept_row(drive: str, row: DriveRow) -> tuple[str, ...]:
+    """Return the row of a drive under KEPT, rounded as far as it is read."""
+    return (drive, *("" if value is None else _rounded(value) for value in asdict(row).values()))
+
+
+def _rounded(value: float | str) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
 def _seen(estimate: Estimate) -> float | None:

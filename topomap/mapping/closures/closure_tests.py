@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Protocol, runtime_checkable
 
 import numpy as np
-from scipy.special import chdtri
+from scipy.special import chdtri, ndtr
 
 from topomap.core.arrays import FloatArray, IntArray
 from topomap.core.evidence import FALSE_DISTANCE, FALSE_ROTATION
@@ -25,6 +25,7 @@ from topomap.mapping.closures.seen import Seen
 SAME_PLACE = 0.75  # [m] what lies nearer is the same place, as recall is counted
 CERTAIN = 100.0  # odds that odometry gives at most: its covariance isn't known better
 ANY_HEADING = (2 * math.pi) ** 2  # [rad^2]
+LINES = 41  # 5 cm apart, over which a probability is summed: within 0.005 of what a hundred thousand draws say
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -168,12 +169,58 @@ class Beside:
 
     def _apart(self, claims: Claims, knowledge: Knowledge) -> FloatArray:
         """Return how far apart the spots of n claims are [m]: the mean of both, each by its covariance."""
-        own = claims.covariance[:, :2, :2]
-        both = own + relative_covariances(claims, knowledge.poses, knowledge.errors)[:, :2, :2]
-        missed = between(knowledge.poses[claims.i], knowledge.poses[claims.j])[:, :2] - claims.relative[:, :2]
-        mean = claims.relative[:, :2] + (own @ np.linalg.solve(both, missed[:, :, None]))[:, :, 0]
+        mean, _, missed = _met(claims, knowledge)
+        own = claims.covariance
         unsure = np.sqrt(own[:, 0, 0] + own[:, 1, 1])  # within it, sight says nothing of where
         return np.maximum(np.hypot(mean[:, 0], mean[:, 1]), np.minimum(np.hypot(missed[:, 0], missed[:, 1]), unsure))
+
+
+@dataclass(frozen=True, slots=True)
+class Placed:
+    """Refuses a claim that is likelier false by definition than not: sight and odometry together leave it to chance
+    whether its two spots lie within a metre.
+    """
+
+    least: float
+    name: str = "placed"
+    lowers: bool = True
+
+    def weigh(self, claims: Claims, knowledge: Knowledge) -> FloatArray:
+        """Return 0 or minus infinity (n,)."""
+        return np.where(self._within(claims, knowledge) < self.least, -np.inf, 0.0)
+
+    def reason(self, claims: Claims, knowledge: Knowledge) -> str:
+        """Say how likely a single claim's spots are one place."""
+        share = float(self._within(claims, knowledge)[0])
+        return (
+            f"sight and odometry don't tell where: within {FALSE_DISTANCE:g} m of it with probability {share:.2f} "
+            f"(at least {self.least:g})"
+        )
+
+    def _within(self, claims: Claims, knowledge: Knowledge) -> FloatArray:
+        """Return (n,) probabilities that the two spots lie within the distance beyond which a closure is false."""
+        mean, covariance, _ = _met(claims, knowledge)
+        variances, axes = np.linalg.eigh(covariance)
+        along = (axes.transpose(0, 2, 1) @ mean[:, :, None])[:, :, 0]
+        sigmas = np.sqrt(np.maximum(variances, 1e-12))
+        # over lines across the longer axis, as far as the circle reaches: each holds a share of the shorter one
+        x = np.linspace(-1.0, 1.0, LINES) * FALSE_DISTANCE
+        half = np.sqrt(np.maximum(FALSE_DISTANCE**2 - x**2, 0.0))
+        density = ndtr((x[1:] - along[:, 1:]) / sigmas[:, 1:]) - ndtr((x[:-1] - along[:, 1:]) / sigmas[:, 1:])
+        middle = (half[1:] + half[:-1]) / 2
+        inside = ndtr((middle - along[:, :1]) / sigmas[:, :1]) - ndtr((-middle - along[:, :1]) / sigmas[:, :1])
+        return np.asarray((density * inside).sum(axis=1))
+
+
+def _met(claims: Claims, knowledge: Knowledge) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return where sight and odometry together have the second spots of n claims, seen from the first: means (n, 2),
+    covariances (n, 2, 2), and how far odometry has them from what is claimed (n, 2) [m].
+    """
+    own = claims.covariance[:, :2, :2]
+    both = own + relative_covariances(claims, knowledge.poses, knowledge.errors)[:, :2, :2]
+    missed = between(knowledge.poses[claims.i], knowledge.poses[claims.j])[:, :2] - claims.relative[:, :2]
+    mean = claims.relative[:, :2] + (own @ np.linalg.solve(both, missed[:, :, None]))[:, :, 0]
+    return mean, own - own @ np.linalg.solve(both, own), missed
 
 
 @dataclass(frozen=True, slots=True)

@@ -66,6 +66,30 @@ def best_way(
 
 
 @njit(cache=True)
+def joined_way(
+    random: FloatArray, systematic: FloatArray, calibration: FloatArray, i: int, j: int, ends: IntArray,
+    closures: FloatArray,
+) -> FloatArray:  # fmt: skip
+    """Return the errors (3, 3) between chain places i and j by at least one closure after another and the chain.
+
+    ends (M, 2): chain places joined by closures (M, 3, 3), these about the origin and in the order of their second
+    ends. Where one stretch lies along another, what each closure tells adds up: a Kalman filter whose state is how the
+    two stretches lie to one another, and which both drift apart on the way from closure to closure.
+    """
+    total = np.zeros((3, 3))
+    _add_way(total, random, systematic, calibration, ends[0, 0], ends[0, 1])
+    for m in range(len(ends)):
+        if m:
+            _add_way(total, random, systematic, calibration, ends[m - 1, 0], ends[m, 0])
+            _add_way(total, random, systematic, calibration, ends[m - 1, 1], ends[m, 1])
+        total = total @ np.linalg.solve(total + closures[m], closures[m])
+        total = (total + total.T) / 2
+    _add_way(total, random, systematic, calibration, ends[-1, 0], i)
+    _add_way(total, random, systematic, calibration, ends[-1, 1], j)
+    return total
+
+
+@njit(cache=True)
 def seen_from_all(
     random: FloatArray, systematic: FloatArray, calibration: FloatArray, j: int, x: float, y: float,
     ends: IntArray, closures: FloatArray, spare: float,

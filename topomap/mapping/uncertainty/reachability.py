@@ -15,9 +15,10 @@ from topomap.mapping.optimisation import Optimisation
 from topomap.mapping.optimizer.problem import ClosureEdge
 from topomap.mapping.uncertainty.incremental_chain import IncrementalChain
 from topomap.mapping.uncertainty.odometry_chain import Chain, carried_to_origin
-from topomap.mapping.uncertainty.path_covariance import best_way, seen_from_all, turned
+from topomap.mapping.uncertainty.path_covariance import best_way, joined_way, seen_from_all, turned
 
 LATEST = 3  # closures over which a shorter way is looked for
+JOINED = 20  # latest closures before a place that together tell how its stretch lies to an older one
 
 
 class Reachability:
@@ -36,15 +37,22 @@ class Reachability:
         self._informations: FloatArray = np.zeros((0, 2, 2))
 
     def errors(self, match: int, query: int) -> FloatArray:
-        """Return the errors (3, 3) about the map's origin between two nodes along the route, or across a closure where
-        that is better.
+        """Return the errors (3, 3) about the map's origin between two nodes along the route, or across closures where
+        that is better: over the best one, or over all along two stretches that lie beside one another.
         """
         chain = self._current()
         x, y, _ = self._map.poses[query].tolist()
         ends, closures = self._carried(self._map.closures)
         i, j = int(self._place[match]), int(self._place[query])
-        found = best_way(chain.random, chain.systematic, chain.calibration, i, j, x, y, ends, closures)
-        return np.asarray(found)
+        found = np.asarray(best_way(chain.random, chain.systematic, chain.calibration, i, j, x, y, ends, closures))
+        before = np.flatnonzero(ends.max(axis=1, initial=0) <= j)
+        if not len(before):
+            return found
+        latest = before[np.argsort(ends[before].max(axis=1), kind="stable")[-JOINED:]]
+        joined = joined_way(
+            chain.random, chain.systematic, chain.calibration, i, j, np.sort(ends[latest], axis=1), closures[latest]
+        )
+        return min(found, np.asarray(joined), key=lambda errors: _position(errors, x, y))
 
     def covariance(self, match: int, query: int) -> FloatArray:
         """Return the covariance (3, 3) of `match_from_query` by these errors."""
@@ -97,3 +105,8 @@ class Reachability:
         carry = carried_to_origin(self._map.poses[ends[:, 0]], self._map.poses[ends[:, 1]])
         covariances = np.array([c.covariance for c in closures]).reshape(-1, 3, 3)
         return self._place[ends], carry @ covariances @ carry.transpose(0, 2, 1)
+
+
+def _position(errors: FloatArray, x: float, y: float) -> float:
+    """Return the variance of a position [m^2] by errors (3, 3) about the origin."""
+    return float(np.trace(turned(errors, 0.0, x, y)[:2, :2]))

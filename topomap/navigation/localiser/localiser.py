@@ -11,6 +11,8 @@ from topomap.core.arrays import FloatArray, IntArray
 from topomap.core.geometry import Pose2
 from topomap.core.panorama import Panorama
 from topomap.core.records import Hypothesis, MapChange, Motion, Verdict, Where
+from topomap.mapping.closures.appearance import APART
+from topomap.mapping.closures.sight import SLOW
 from topomap.mapping.mapper import Mapper
 from topomap.navigation.localiser.belief import REACH, Belief
 from topomap.navigation.localiser.mixture import Mixture
@@ -37,7 +39,8 @@ SURE = 0.02
 STRETCHES = 3
 """... after so many stretches held against the map."""
 ASTRAY, ASTRAY_TURN = 1.0, math.radians(20.0)
-"""[m], [rad] Belief and track this far apart tell two places: what a false closure is."""
+"""[m], [rad] Belief and track this far apart tell two places: what a false closure is; so many catchments (APART) where
+that is more. Within it views show the same, and a belief is no surer of where than odometry is."""
 DOUBTFUL = 0.1
 """Probability of being lost up to which belief and track are taken to agree."""
 UNPROVEN = 0.06
@@ -136,7 +139,8 @@ class Localiser:
         belief = self._belief
         assert belief is not None
         off = mapper.track.pose.to(where.pose)
-        apart = math.hypot(off.x, off.y) > ASTRAY or abs(off.heading) > ASTRAY_TURN
+        alike = _alike(mapper)
+        apart = math.hypot(off.x, off.y) > max(ASTRAY, alike) or (abs(off.heading) > ASTRAY_TURN and not alike)
         if not apart and where.lost < DOUBTFUL:
             self._right = mapper.map.chain[-1]
         if where.lost >= SURE or belief.stretches < STRETCHES:
@@ -152,8 +156,13 @@ class Localiser:
 
     def _doubt(self, belief: Belief, mapper: Mapper) -> float:
         """Return the probability that the robot isn't where its track ends."""
-        near = belief.mixture.near(mapper.track.pose.array()[None])[0]
+        near = belief.mixture.near(mapper.track.pose.array()[None], _alike(mapper))[0]
         return max(0.0, 1.0 - float(np.exp(belief.mixture.weights[near]).sum()))
+
+
+def _alike(mapper: Mapper) -> float:
+    """Return how far from one another two places are that the views don't tell apart here [m]; 0 where they do."""
+    return APART * mapper.alike if mapper.alike >= SLOW else 0.0
 
 
 def _noise(motion: Motion, doubted: bool) -> FloatArray:

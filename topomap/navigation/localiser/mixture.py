@@ -139,11 +139,13 @@ class Mixture:
             self.poses[kept], self.covariances[kept], weights[keep], self.seen[kept], self.elsewhere
         ).normalised()
 
-    def near(self, poses: FloatArray) -> BoolArray:
-        """Return (k, n) whether poses (k, 3) and the hypotheses are one and the same."""
+    def near(self, poses: FloatArray, within: float = 0.0) -> BoolArray:
+        """Return (k, n) whether poses (k, 3) and the hypotheses are one and the same; within [m]: where that is more
+        than what usually counts as the same.
+        """
         away = np.hypot(*(poses[:, None, :2] - self.poses[None, :, :2]).transpose(2, 0, 1))
         turned = np.abs(wrap_all(poses[:, None, 2] - self.poses[None, :, 2]))
-        same: BoolArray = (away < SAME) & (turned < SAME_TURN)
+        same: BoolArray = (away < max(SAME, within)) & (turned < SAME_TURN)
         return same
 
 
