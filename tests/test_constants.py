@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 from kept import as_before
 from pydantic import BaseModel
+from pydantic.fields import FieldInfo
 
 ROOT = Path(__file__).parents[1]
 FOLDERS = ("topomap/mapping", "topomap/navigation", "topomap/recording", "topomap/vision", "logs")
@@ -44,7 +45,9 @@ def defaults(own: object) -> Iterator[tuple[str, object]]:
     """Yield what stands where nothing is given: a class's fields and its functions' arguments, or a function's."""
     if isinstance(own, type):
         if issubclass(own, BaseModel):
-            yield from ((f"{own.__name__}.{name}", field.default) for name, field in own.model_fields.items())
+            for name, field in own.model_fields.items():
+                yield f"{own.__name__}.{name}", field.default
+                yield from ((f"{own.__name__}.{name} {said}", bound) for said, bound in bounds(field))
         elif is_dataclass(own):
             told = [field for field in fields(own) if field.default is not MISSING]
             yield from ((f"{own.__name__}.{field.name}", field.default) for field in told)
@@ -52,6 +55,14 @@ def defaults(own: object) -> Iterator[tuple[str, object]]:
             yield from ((f"{own.__name__}.{name}", value) for name, value in arguments(inner))
     else:
         yield from arguments(own)
+
+
+def bounds(field: FieldInfo) -> Iterator[tuple[str, object]]:
+    """Yield what a setting must keep to: ge, gt, le, lt and the like."""
+    for one in field.metadata:
+        for said in ("ge", "gt", "le", "lt", "min_length", "max_length", "multiple_of"):
+            if (bound := getattr(one, said, None)) is not None:
+                yield said, bound
 
 
 def arguments(function: object) -> Iterator[tuple[str, object]]:
