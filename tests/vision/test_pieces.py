@@ -28,6 +28,7 @@ from topomap.vision.image.keypoints import Keypoints, matched_keypoints
 from topomap.vision.image.landmarks import MarkerSpec, _runs, markers
 from topomap.vision.image.pixel_selection import selected
 from topomap.vision.image.scale_planes import WarpingSpec
+from topomap.vision.image.unwrap import _shift
 from topomap.vision.matching.moment_potential import _gradient
 from topomap.vision.matching.scan_search import _turns
 from topomap.vision.matching.warping import rotations
@@ -200,3 +201,16 @@ def test_a_distance_that_is_told_is_kept_and_one_that_is_not_is_measured(monkeyp
         answer = auto.Auto()._sure("range", 0.5, found, blank(), blank())
         assert answer.alignment.home is not None
         assert answer.alignment.home.distance == kept
+
+
+def test_what_points_nowhere_is_told_as_nothing() -> None:
+    answer = auto.Auto()._sure("range", 0.5, Alignment(0.1, 0.5, None), blank(), blank())
+    assert answer.alignment.home is not None
+    assert (answer.alignment.home.bearing, answer.alignment.home.confidence) == (0.0, 0.0)
+
+
+def test_a_view_correlates_with_itself_wholly_and_turned_by_its_turn() -> None:
+    rng = np.random.default_rng(7)
+    view = Panorama(rng.integers(0, 256, (40, 90, 3), dtype=np.uint8), None, Rig(90, 40, 19.5, 90 / TAU))
+    assert _shift(view, view) == pytest.approx((0.0, 1.0))
+    assert _shift(view.rolled(12), view) == pytest.approx((12 * TAU / 90, 1.0))
