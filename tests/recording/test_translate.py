@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -396,6 +397,17 @@ def test_true_poses_are_those_under_the_right_columns() -> None:
     for text in ("node,x_m,heading_rad,y_m\n3,1,2,3\n", "3,1,2,3\n", "", "node,x_m,y_m,heading_rad\n3,1,2\n"):
         with pytest.raises(DataError, match=r"a.csv: not the true poses of a map"):
             parse_truths(text, "a.csv")
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -1e308])
+def test_a_pose_that_no_robot_has_is_a_data_error(value: float, tmp_path: Path) -> None:
+    with Recorder(tmp_path / "run.mcap", run_header("room", SomeRig())) as recorder:
+        run = RunRecorder(recorder, _map)
+        for step in range(3):
+            record = _record(step)
+            run.observe(_reading(step), replace(record, dead_reckoning=Pose2(value if step == 1 else 0.0)))
+    with pytest.raises(DataError, match=r"holds values that no run writes .*poses that are no numbers"):
+        load_run(tmp_path / "run.mcap")
 
 
 def test_what_is_no_log_is_a_data_error(tmp_path: Path) -> None:

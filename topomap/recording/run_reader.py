@@ -33,6 +33,7 @@ TOPICS = (
     topics.FINAL,
     topics.PERFORMANCE,
 )
+FARTHEST = 1e7  # [m] a quarter of the Earth's circumference; headings are far below
 BEFORE = (20, 10)  # steps before the first closure whose panoramas are shown
 
 
@@ -81,6 +82,8 @@ def _load(log_file: LogReader) -> RunData:
     decisions = tuple(decode.decision(stored) for _, stored in closures)
     performance = _last(rows, topics.PERFORMANCE, log.Performance)
     nodes = _nodes(rows, final)
+    final_poses = _trajectory(steps, final)
+    _check_poses(steps.dead_reckoning, steps.online, final_poses)
     return RunData(
         world=header.world,
         seed=header.seed,
@@ -89,7 +92,7 @@ def _load(log_file: LogReader) -> RunData:
         stamps_ns=steps.stamps_ns,
         dead_reckoning=steps.dead_reckoning,
         online=steps.online,
-        final=_trajectory(steps, final),
+        final=final_poses,
         truth=steps.truth,
         plan=decode.plan(header),
         driven=steps.driven,
@@ -119,6 +122,13 @@ def _load(log_file: LogReader) -> RunData:
         log_state=log_file.state.word,
         log_note=log_file.state.note,
     )
+
+
+def _check_poses(*routes: FloatArray) -> None:
+    """Raise ValueError for poses (N, 3) that no robot can have."""
+    for poses in routes:
+        if not (np.abs(poses) < FARTHEST).all():  # nor where a number is none
+            raise ValueError(f"poses that are no numbers or farther than {FARTHEST:g} m")
 
 
 def _mount(final: log.Final | None) -> MountLean | None:
