@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -195,3 +196,17 @@ def test_a_frame_that_the_camera_repeats_is_no_break_once_it_goes_on(at: int, ti
     stale = [replace(r, image=again.image, encoded=again.encoded) if at <= k < at + times else r
              for k, r in enumerate(seen)]  # fmt: skip
     assert watched(stale)[:2] == ([], [])
+
+
+@pytest.mark.parametrize("ranged", [True, False])
+@pytest.mark.parametrize("turn", [1.0, -0.6])
+def test_a_turn_that_only_the_odometry_of_a_standing_robot_counts_is_taken_back(turn: float, ranged: bool) -> None:
+    """Its camera's frame may be repeated, until the next view shows that nothing turned."""
+    at = 40
+    seen = taught(at + 12) if ranged else blind(taught(at + 12))
+    ghost = moved(seen[at - 1], forward=0.02, left=0.0, turn=turn)
+    watch, believed = OdometryWatch(), 0.0
+    for reading in [*seen[:at], ghost, *seen[at:]]:
+        assert not watch.judge(Panorama.from_reading(reading), reading.motion, Calibration())
+        believed += reading.motion.turn if watch.seen is None else watch.seen.turn
+    assert believed == pytest.approx(sum(reading.motion.turn for reading in seen), abs=math.radians(6))

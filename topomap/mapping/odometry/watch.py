@@ -52,6 +52,9 @@ LEAP_SHARE = 0.5
 """Share of what the view changed by over as long a way before, below which the odometer's step is none: in hall,
 corridor, room and office 99 % of leaps by half a metre are; of true steps 3 to 20 times as long as usual 97 to 100 %
 aren't, in a park's photographs too (79 % in the office, whose views change by twice the usual by then)."""
+QUICKER = 2.0
+"""Times the quickest turn of a step so far, beyond which a turn that no view shows is the odometer's and no frame that the
+camera repeats: a corner here begins with 0.009, 0.03, 0.064, 0.086 rad a step, and odometry that errs by 0.3 rad a step reads 1."""
 SEEN_WAY, SEEN_TURN = 0.05, math.radians(3.0)
 """[m], [rad] Error of a step restated by what is usual and by the view; undisturbed, a view's turn is at most 2.8
 degrees off the odometry's in four worlds."""
@@ -76,6 +79,7 @@ class OdometryWatch:
         self._lately = 0.0
         self._driven: deque[float] = deque(maxlen=MEMORY)
         self._speeds: deque[float] = deque(maxlen=MEMORY)
+        self._quickest = 0.0  # the quickest turn of a step so far [rad]
         self._dead = self._spinning = 0
         self._leaping = False
         self._owed = 0.0, 0.0  # way [m] and turn [rad] while the camera repeated its frame: the next view shows them
@@ -110,8 +114,11 @@ class OdometryWatch:
         driven = abs(motion.forward) + abs(motion.left)
         self._behind.append((signature(previous), self._travel))
         way = driven + TURN_WAY * abs(motion.turn)
-        repeated = _change(panorama, previous, 0.0)[0] < UNMOVED * self._usual
+        same = _change(panorama, previous, 0.0)[0] < UNMOVED * self._usual
+        repeated = same and abs(motion.turn) <= QUICKER * self._quickest
         self._owed = (owed_way + way, owed_turn + float(motion.turn)) if repeated else (0.0, 0.0)
+        if repeated:  # it shows nothing of the step, so that it announces nothing either
+            change, whole = _change(panorama, previous, 0.0)
         leapt = self._leapt(driven, motion.dt, panorama, previous)
         self._travel += median(self._driven) if leapt else driven
         self._lately = max(self._latest, default=0.0)
@@ -136,6 +143,7 @@ class OdometryWatch:
             self._changes.append(change)
             self._ways.append(way + owed_way)
             self._driven.append(driven)
+            self._quickest = max(self._quickest, abs(float(motion.turn)))
             self._speeds.append(driven / motion.dt if motion.dt > 0 else 0.0)
         return ended
 
