@@ -53,8 +53,8 @@ LEAP_SHARE = 0.5
 corridor, room and office 99 % of leaps by half a metre are; of true steps 3 to 20 times as long as usual 97 to 100 %
 aren't, in a park's photographs too (79 % in the office, whose views change by twice the usual by then)."""
 QUICKER = 2.0
-"""Times the quickest turn of a step so far, beyond which a turn that no view shows is the odometer's and no frame that the
-camera repeats: a corner here begins with 0.009, 0.03, 0.064, 0.086 rad a step, and odometry that errs by 0.3 rad a step reads 1."""
+"""Times the quickest turn of a step so far, beyond which a turn that no view shows is the odometer's and no frame that
+the camera repeats: a corner begins with 0.009, 0.03, 0.064, 0.086 rad a step, odometry that errs by 0.3 rad reads 1."""
 SEEN_WAY, SEEN_TURN = 0.05, math.radians(3.0)
 """[m], [rad] Error of a step restated by what is usual and by the view; undisturbed, a view's turn is at most 2.8
 degrees off the odometry's in four worlds."""
