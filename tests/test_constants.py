@@ -85,8 +85,8 @@ def flat(value: object) -> list[float] | None:
     if not isinstance(value, type) and (is_dataclass(value) or isinstance(value, BaseModel)):
         names = list(type(value).model_fields) if isinstance(value, BaseModel) else [f.name for f in fields(value)]
         return [one for name in names for one in flat(getattr(value, name)) or ()] or None
-    if isinstance(value, dict):
-        value = tuple(value.items())
+    if isinstance(value, dict):  # of plain numbers: others are registers, which tests add to, and caches
+        value = tuple(value.items()) if all(isinstance(one, (int, float)) for one in value) else None
     if isinstance(value, tuple) and value:
         parts = [flat(one) for one in value]
         return None if any(part is None for part in parts) else [one for part in parts for one in part or ()]
