@@ -137,5 +137,5 @@ def test_the_lost_are_those_who_are_not_at_the_likeliest_place() -> None:
 @pytest.mark.parametrize(("at", "doubt"), [(0.0, 0.2), (0.4, 0.2), (3.0, 1.0)])
 def test_a_track_is_doubted_by_what_the_belief_has_elsewhere(at: float, doubt: float) -> None:
     belief = Belief(Mixture.at(np.array([at, 0.0, 0.0]), np.eye(3), 0.2), square())
-    mapper = cast(Mapper, SimpleNamespace(track=SimpleNamespace(pose=Pose2()), alike=0.0))
+    mapper = cast(Mapper, SimpleNamespace(track=SimpleNamespace(pose=Pose2()), catchment=0.0))
     assert Localiser()._doubt(belief, mapper) == pytest.approx(doubt)

@@ -109,7 +109,7 @@ def test_where_views_are_alike_over_metres_the_belief_is_no_surer_than_odometry(
     for _ in range(60):
         for times, difference in ((0.25, 0.1), (0.5, 0.2), (1.0, 0.5), (2.0, 1.0), (4.0, 1.0), (16.0, 1.0)):
             mapper.recognition.catchment.learn(times * alike, difference)
-    assert (mapper.alike > 1.0) == (not said)
+    assert (mapper.catchment > 1.0) == (not said)
     here = mapper.track.pose
     there = here @ Pose2(1.5, 0.0, 0.45)
     localiser = Localiser()

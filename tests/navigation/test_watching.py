@@ -54,7 +54,7 @@ def around(step: int, aside: slice = slice(0)) -> Mapper:
     return cast(
         Mapper,
         SimpleNamespace(
-            alike=0.0,
+            catchment=0.0,
             recognition=Snapshots(step + 1), map=topo, track=track, handled=False, doubted=False,
             left_behind=max(0, step + 1 - BACK), located=step + 1,
         ),

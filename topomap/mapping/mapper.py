@@ -159,7 +159,7 @@ class Mapper:
         return self._watch.turned
 
     @property
-    def alike(self) -> float:
+    def catchment(self) -> float:
         """The way over which views are alike here [m], 0 while it isn't known."""
         return self.recognition.catchment.length
 

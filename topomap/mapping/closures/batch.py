@@ -121,7 +121,7 @@ def _best(working: WorkingMap) -> _Solution:
 
 
 def _doubtful(best: _Solution) -> bool:
-    """Whether much is open and odometry may be less sure than stated: what stands strains it, or is too little to."""
+    """Whether much is open and odometry may be less sure than stated: what stands strains it, or can hardly tell."""
     if _complete(best.working):
         return False
     standing = len(best.working.standing_clusters())

@@ -114,11 +114,11 @@ class OdometryWatch:
         driven = abs(motion.forward) + abs(motion.left)
         self._behind.append((signature(previous), self._travel))
         way = driven + TURN_WAY * abs(motion.turn)
-        same = _change(panorama, previous, 0.0)[0] < UNMOVED * self._usual
-        repeated = same and abs(motion.turn) <= QUICKER * self._quickest
+        unturned = _change(panorama, previous, 0.0)
+        repeated = unturned[0] < UNMOVED * self._usual and abs(motion.turn) <= QUICKER * self._quickest
         self._owed = (owed_way + way, owed_turn + float(motion.turn)) if repeated else (0.0, 0.0)
         if repeated:  # it shows nothing of the step, so that it announces nothing either
-            change, whole = _change(panorama, previous, 0.0)
+            change, whole = unturned
         leapt = self._leapt(driven, motion.dt, panorama, previous)
         self._travel += median(self._driven) if leapt else driven
         self._lately = max(self._latest, default=0.0)

@@ -11,7 +11,7 @@ from topomap.core.arrays import FloatArray, IntArray
 from topomap.core.geometry import Pose2
 from topomap.core.panorama import Panorama
 from topomap.core.records import Hypothesis, MapChange, Motion, Verdict, Where
-from topomap.mapping.closures.appearance import APART
+from topomap.mapping.closures.appearance import apart
 from topomap.mapping.closures.sight import SLOW
 from topomap.mapping.mapper import Mapper
 from topomap.navigation.localiser.belief import REACH, Belief
@@ -39,8 +39,8 @@ SURE = 0.02
 STRETCHES = 3
 """... after so many stretches held against the map."""
 ASTRAY, ASTRAY_TURN = 1.0, math.radians(20.0)
-"""[m], [rad] Belief and track this far apart tell two places: what a false closure is; so many catchments (APART) where
-that is more. Within it views show the same, and a belief is no surer of where than odometry is."""
+"""[m], [rad] Belief and track this far apart tell two places: what a false closure is; where views change slowly, as
+far apart as they tell places. Within it they show the same, and a belief is no surer of where than odometry is."""
 DOUBTFUL = 0.1
 """Probability of being lost up to which belief and track are taken to agree."""
 UNPROVEN = 0.06
@@ -140,13 +140,13 @@ class Localiser:
         assert belief is not None
         off = mapper.track.pose.to(where.pose)
         alike = _alike(mapper)
-        apart = math.hypot(off.x, off.y) > max(ASTRAY, alike) or (abs(off.heading) > ASTRAY_TURN and not alike)
-        if not apart and where.lost < DOUBTFUL:
+        astray = math.hypot(off.x, off.y) > max(ASTRAY, alike) or (abs(off.heading) > ASTRAY_TURN and not alike)
+        if not astray and where.lost < DOUBTFUL:
             self._right = mapper.map.chain[-1]
         if where.lost >= SURE or belief.stretches < STRETCHES:
             return ""
         found, self._lost = self._lost, False
-        if not found and not apart:
+        if not found and not astray:
             return ""
         mapper.relocate(where.pose, None if found else self._right)
         self._right = mapper.map.chain[-1]
@@ -162,7 +162,8 @@ class Localiser:
 
 def _alike(mapper: Mapper) -> float:
     """Return how far from one another two places are that the views don't tell apart here [m]; 0 where they do."""
-    return APART * mapper.alike if mapper.alike >= SLOW else 0.0
+    catchment = mapper.catchment
+    return apart(catchment) if catchment >= SLOW else 0.0
 
 
 def _noise(motion: Motion, doubted: bool) -> FloatArray:
