@@ -20,7 +20,8 @@ class BlockPattern:
     """Which blocks the factor of a graph of N poses has, and the order in which the poses are eliminated.
 
     place (N,): when each pose is eliminated; first (N + 1,) and rows (B,): the factor's blocks by column, the column's
-    own first, then those below in order; at (E,): each edge's block below the diagonal.
+    own first, then those below in order; at (E,): each edge's block below the diagonal; products: of two blocks, that
+    the factor takes.
     """
 
     def __init__(self, nodes: int, i: IntArray, j: IntArray) -> None:
@@ -33,6 +34,7 @@ class BlockPattern:
         indptr, indices = upper.indptr.astype(np.int64), upper.indices.astype(np.int64)
         self.first, self.rows = kernels.columns(indptr, indices)
         self.at: IntArray = self._blocks_of(i, j)
+        self.products = int(np.square(np.diff(self.first)).sum()) // 2
 
     def _blocks_of(self, i: IntArray, j: IntArray) -> IntArray:
         """Return where each edge's block stands (E,), -1 where there is none."""

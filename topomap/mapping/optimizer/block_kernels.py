@@ -107,25 +107,28 @@ def _subtract(blocks: FloatArray, q: int, s: int, p: int) -> None:
 def solve(first: IntArray, rows: IntArray, factor: FloatArray, x: FloatArray) -> None:
     n = len(first) - 1
     for k in range(n):
-        own = factor[first[k]]
-        for r in range(3):
-            for c in range(r):
-                x[k, r] -= own[r, c] * x[k, c]
-            x[k, r] /= own[r, r]
-        for p in range(first[k] + 1, first[k + 1]):
+        own = first[k]
+        a = x[k, 0] / factor[own, 0, 0]
+        b = (x[k, 1] - factor[own, 1, 0] * a) / factor[own, 1, 1]
+        c = (x[k, 2] - factor[own, 2, 0] * a - factor[own, 2, 1] * b) / factor[own, 2, 2]
+        x[k, 0], x[k, 1], x[k, 2] = a, b, c
+        for p in range(own + 1, first[k + 1]):
+            row = rows[p]
             for r in range(3):
-                for c in range(3):
-                    x[rows[p], r] -= factor[p, r, c] * x[k, c]
+                x[row, r] = x[row, r] - factor[p, r, 0] * a - factor[p, r, 1] * b - factor[p, r, 2] * c
     for k in range(n - 1, -1, -1):
-        own = factor[first[k]]
-        for p in range(first[k] + 1, first[k + 1]):
+        own = first[k]
+        a, b, c = x[k, 0], x[k, 1], x[k, 2]
+        for p in range(own + 1, first[k + 1]):
             for r in range(3):
-                for c in range(3):
-                    x[k, c] -= factor[p, r, c] * x[rows[p], r]
-        for r in range(2, -1, -1):
-            for c in range(r + 1, 3):
-                x[k, r] -= own[c, r] * x[k, c]
-            x[k, r] /= own[r, r]
+                below = x[rows[p], r]
+                a -= factor[p, r, 0] * below
+                b -= factor[p, r, 1] * below
+                c -= factor[p, r, 2] * below
+        c /= factor[own, 2, 2]
+        b = (b - factor[own, 2, 1] * c) / factor[own, 1, 1]
+        a = (a - factor[own, 1, 0] * b - factor[own, 2, 0] * c) / factor[own, 0, 0]
+        x[k, 0], x[k, 1], x[k, 2] = a, b, c
 
 
 @njit(cache=True)

@@ -20,6 +20,10 @@ from topomap.mapping.optimizer.settings import OptimizerSettings
 ANCHOR = 1e6  # information of the first pose [1/m^2, 1/rad^2]: it has nothing to pull against, so any holds it
 HALVINGS = 5  # of a step that makes the error worse
 FILLED = 0.8  # of a pattern's edges that others have at least to take it over: a new order takes as long as two steps
+# products of blocks an edge up to which a pattern is taken over anyway, as a step with it then takes a fraction of what a
+# order does: 20 on intel, 40 on manhattan, 80 on w10000, each with all its true closures
+LIGHT = 40
+KEPT = 3  # networks that are kept: closures that stand, one a cluster of them and none are asked for in turn
 
 
 class Ended(NamedTuple):
@@ -39,7 +43,7 @@ class HeldSolver:
         seeing = np.zeros(len(odometry), np.bool_)  # across a gap, too, little is known of the heading, but not nothing
         deltas, information = edges.deltas(calibration), np.asarray(np.linalg.inv(covariance), float)
         self.odometry = Links(odometry.i, odometry.j, deltas, information, seeing)
-        self._last: _Graph | None = None
+        self._kept: list[_Graph] = []  # the newest first
 
     def solve(self, poses: FloatArray, closures: Closures, settings: OptimizerSettings) -> Ended:
         """Return the poses (N, 3) with closures, from others, by graduated non-convexity as `solver.solve` does it.
@@ -47,6 +51,11 @@ class HeldSolver:
         Closures end in or out; where they leave more error than the start has, the start is kept. Raises TopomapError.
         """
         graph = self._graph(closures, len(poses))
+        if graph.ended is None or graph.ended.start is not poses or graph.ended.settings != settings:
+            graph.ended = _Ending(poses, settings, self._solved(graph, poses, settings))
+        return graph.ended.end
+
+    def _solved(self, graph: _Graph, poses: FloatArray, settings: OptimizerSettings) -> Ended:
         before = graph.truncated(poses, settings.cutoff)
         found = poses
         for cutoff in settings.cutoffs:
@@ -68,7 +77,7 @@ class HeldSolver:
 
     def error(self, poses: FloatArray, closures: Closures) -> float:
         """Return the squared error of odometry and closures at poses (N, 3)."""
-        return float(self.odometry.chi2(poses).sum() + Links.of(closures).chi2(poses).sum())
+        return self._graph(closures, len(poses)).error(poses)
 
     def log_volume(self, poses: FloatArray, closures: Closures) -> float:
         """Return the log determinant of what odometry and closures know of poses (N, 3), the first one held."""
@@ -80,38 +89,76 @@ class HeldSolver:
 
         Both are in the frame of the closure's start, for one without a heading in the map's axes.
         """
-        graph, links = self._graph(closures, len(poses)), Links.of(closures)
+        graph = self._graph(closures, len(poses))
         inverse = graph.pattern.inverse(graph.factor(poses, np.ones(len(closures)))[0])
         at = graph.pattern.at[len(self.odometry.i) :]
-        return links.seen(poses), links.known(graph.pattern, at, poses, inverse)
+        return graph.links.seen(poses), graph.links.known(graph.pattern, at, poses, inverse)
 
     def _graph(self, closures: Closures, nodes: int) -> _Graph:
-        """Return the network; its pattern is the last one's where that has room and isn't much too large."""
-        links, last = Links.of(closures), self._last
-        ends, pattern = self.odometry.beside(links), None
-        if last is not None and len(ends.i) >= FILLED * len(last.pattern.at):
-            pattern = last.pattern.joining(ends.i, ends.j)
-        self._last = _Graph(self.odometry, links, closures.weight, pattern or BlockPattern(nodes, ends.i, ends.j))
-        return self._last
+        """Return the network of odometry and closures: one that is kept, or a new one."""
+        found = next((graph for graph in self._kept if graph.closures.same(closures)), None)
+        if found is None:
+            found = self._new(closures, nodes)
+        self._kept = [found, *(graph for graph in self._kept if graph is not found)][:KEPT]
+        return found
+
+    def _new(self, closures: Closures, nodes: int) -> _Graph:
+        """Return a new network; its pattern is the last one's where that has room and isn't much too large."""
+        links, pattern = Links.of(closures), None
+        ends = self.odometry.beside(links)
+        if self._kept:
+            last = self._kept[0].pattern
+            if len(ends.i) >= FILLED * len(last.at) or last.products <= LIGHT * len(ends.i):
+                pattern = last.joining(ends.i, ends.j)
+        return _Graph(self.odometry, closures, links, pattern or BlockPattern(nodes, ends.i, ends.j))
+
+
+class _Ending(NamedTuple):
+    """Where a solve from poses (N, 3) ended."""
+
+    start: FloatArray
+    settings: OptimizerSettings
+    end: Ended
+
+
+class _Errors(NamedTuple):
+    """Squared errors at poses (N, 3): odometry's sum and the closures' (M,)."""
+
+    poses: FloatArray
+    odometry: float
+    closures: FloatArray
 
 
 class _Graph:
-    """Odometry and closures as one network of links, and its steps."""
+    """Odometry and closures as one network of links, its steps, and where the last solve of it ended."""
 
-    def __init__(self, odometry: Links, closures: Links, weight: FloatArray, pattern: BlockPattern) -> None:
-        self._odometry, self._closures, self._weight = odometry, closures, weight
-        self._links = odometry.beside(closures)
+    def __init__(self, odometry: Links, closures: Closures, links: Links, pattern: BlockPattern) -> None:
+        self._odometry, self._weight = odometry, closures.weight
+        self._links = odometry.beside(links)
         self._firm = np.ones(len(odometry.i))
-        self.pattern = pattern
+        self._at: _Errors | None = None
+        self.closures, self.links, self.pattern = closures, links, pattern
+        self.ended: _Ending | None = None
+
+    def _errors(self, poses: FloatArray) -> _Errors:
+        """Return the squared errors at poses (N, 3), which are asked for several times a step."""
+        if self._at is None or self._at.poses is not poses:
+            self._at = _Errors(poses, float(self._odometry.chi2(poses).sum()), self.links.chi2(poses))
+        return self._at
 
     def chi2(self, poses: FloatArray) -> FloatArray:
         """Return the closures' squared errors (M,) without their weights: a light one has to fit as well."""
-        return self._closures.chi2(poses) / np.maximum(self._weight, 1e-12)
+        return self._errors(poses).closures / np.maximum(self._weight, 1e-12)
+
+    def error(self, poses: FloatArray) -> float:
+        """Return the squared error of odometry and closures."""
+        at = self._errors(poses)
+        return at.odometry + float(at.closures.sum())
 
     def truncated(self, poses: FloatArray, cutoff: float) -> float:
         """Return the squared error in which a closure costs at most cutoff^2 times its weight."""
-        closures = np.minimum(self._closures.chi2(poses), cutoff**2 * self._weight)
-        return float(self._odometry.chi2(poses).sum() + closures.sum())
+        at = self._errors(poses)
+        return at.odometry + float(np.minimum(at.closures, cutoff**2 * self._weight).sum())
 
     def factor(self, poses: FloatArray, weights: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the factor of a Gauss-Newton step with closure weights (M,), and its right side (N, 3)."""
@@ -125,14 +172,15 @@ class _Graph:
         """Return the poses after a Gauss-Newton step, halved while that is worse, and its largest move."""
         factor, right = self.factor(poses, weights)
         step = self.pattern.solve(factor, right)
-        before, length = self._error(poses, weights), 1.0
+        before, length = self._weighed(poses, weights), 1.0
         for _ in range(HALVINGS):
             moved = poses + length * step
             moved[:, 2] = wrap_all(moved[:, 2])
-            if self._error(moved, weights) <= before * (1 + 1e-9) + 1e-9:
+            if self._weighed(moved, weights) <= before * (1 + 1e-9) + 1e-9:
                 return moved, float(np.abs(step).max()) * length
             length /= 2
         return poses, 0.0
 
-    def _error(self, poses: FloatArray, weights: FloatArray) -> float:
-        return float(self._odometry.chi2(poses).sum() + weights @ self._closures.chi2(poses))
+    def _weighed(self, poses: FloatArray, weights: FloatArray) -> float:
+        at = self._errors(poses)
+        return at.odometry + float(weights @ at.closures)

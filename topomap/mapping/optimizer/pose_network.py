@@ -61,30 +61,36 @@ class Links(NamedTuple):
 
 
 @njit(cache=True)
+def _linear(
+    i: int, j: int, relative: FloatArray, blind: bool, poses: FloatArray
+) -> tuple[float, float, float, float, float, float, float]:
+    """Return what a link misses by, x, y and heading, and its derivatives by both poses, as c, s, u, v.
+
+    The one by the end is the turn [[c, s, 0], [-s, c, 0], [0, 0, 1]], that by the start the same with a minus and with
+    u, v in its last column. In the frame of the start; without a heading in the map's axes, so that it turns nothing by
+    being linearised.
+    """
+    c, s = np.cos(poses[i, 2]), np.sin(poses[i, 2])
+    x, y = poses[j, 0] - poses[i, 0], poses[j, 1] - poses[i, 1]
+    if blind:
+        ahead_x, ahead_y = c * relative[0] - s * relative[1], s * relative[0] + c * relative[1]
+        return x - ahead_x, y - ahead_y, 0.0, 1.0, 0.0, ahead_y, -ahead_x
+    along, across = c * x + s * y, c * y - s * x
+    heading = wrapped(poses[j, 2] - poses[i, 2] - relative[2])
+    return along - relative[0], across - relative[1], heading, c, s, across, -along
+
+
+@njit(cache=True)
 def _missed(
-    start: FloatArray, end: FloatArray, claimed: FloatArray, blind: bool, out: FloatArray, by_i: FloatArray,
+    i: int, j: int, relative: FloatArray, blind: bool, poses: FloatArray, out: FloatArray, by_i: FloatArray,
     by_j: FloatArray,
 ) -> None:  # fmt: skip
-    """Write what a link misses by (3,) and its derivatives (3, 3) by both poses.
-
-    In the frame of the start; without a heading in the map's axes, so that it turns nothing by being linearised.
-    """
-    c, s = np.cos(start[2]), np.sin(start[2])
-    x, y = end[0] - start[0], end[1] - start[1]
-    by_i[:], by_j[:] = 0.0, 0.0
-    if blind:
-        ahead_x, ahead_y = c * claimed[0] - s * claimed[1], s * claimed[0] + c * claimed[1]
-        out[0], out[1], out[2] = x - ahead_x, y - ahead_y, 0.0
-        by_j[0, 0] = by_j[1, 1] = by_j[2, 2] = 1.0
-        by_i[0, 0] = by_i[1, 1] = by_i[2, 2] = -1.0
-        by_i[0, 2], by_i[1, 2] = ahead_y, -ahead_x
-        return
-    along, across = c * x + s * y, c * y - s * x
-    out[0], out[1] = along - claimed[0], across - claimed[1]
-    out[2] = wrapped(end[2] - start[2] - claimed[2])
+    """Write what a link misses by (3,) and its derivatives (3, 3) by both poses."""
+    out[0], out[1], out[2], c, s, u, v = _linear(i, j, relative, blind, poses)
+    by_j[:] = 0.0
     by_j[0, 0], by_j[0, 1], by_j[1, 0], by_j[1, 1], by_j[2, 2] = c, s, -s, c, 1.0
-    by_i[0, 0], by_i[0, 1], by_i[1, 0], by_i[1, 1], by_i[2, 2] = -c, -s, s, -c, -1.0
-    by_i[0, 2], by_i[1, 2] = across, -along
+    by_i[:] = -by_j
+    by_i[0, 2], by_i[1, 2] = u, v
 
 
 @njit(cache=True)
@@ -92,12 +98,14 @@ def _chi2(
     i: IntArray, j: IntArray, relative: FloatArray, information: FloatArray, blind: BoolArray, poses: FloatArray
 ) -> FloatArray:
     result = np.zeros(len(i))
-    missed, by_i, by_j = np.empty(3), np.empty((3, 3)), np.empty((3, 3))
     for n in range(len(i)):
-        _missed(poses[i[n]], poses[j[n]], relative[n], blind[n], missed, by_i, by_j)
-        for r in range(3):
-            for c in range(3):
-                result[n] += missed[r] * information[n, r, c] * missed[c]
+        x, y, heading = _linear(i[n], j[n], relative[n], blind[n], poses)[:3]
+        total = 0.0
+        for r, own in enumerate((x, y, heading)):
+            total += own * information[n, r, 0] * x
+            total += own * information[n, r, 1] * y
+            total += own * information[n, r, 2] * heading
+        result[n] = total
     return result
 
 
@@ -107,7 +115,7 @@ def _all_missed(
 ) -> FloatArray:
     result, by_i, by_j = np.zeros((len(i), 3)), np.empty((3, 3)), np.empty((3, 3))
     for n in range(len(i)):
-        _missed(poses[i[n]], poses[j[n]], relative[n], blind[n], result[n], by_i, by_j)
+        _missed(i[n], j[n], relative[n], blind[n], poses, result[n], by_i, by_j)
     return result
 
 
@@ -119,7 +127,7 @@ def _known(
     result = np.zeros((len(i), 3, 3))
     missed, by_i, by_j = np.empty(3), np.empty((3, 3)), np.empty((3, 3))
     for n in range(len(i)):
-        _missed(poses[i[n]], poses[j[n]], relative[n], blind[n], missed, by_i, by_j)
+        _missed(i[n], j[n], relative[n], blind[n], poses, missed, by_i, by_j)
         across = inverse[at[n]] if place[i[n]] > place[j[n]] else inverse[at[n]].T
         both = by_i @ np.ascontiguousarray(across) @ by_j.T
         own = by_i @ inverse[first[place[i[n]]]] @ by_i.T + by_j @ inverse[first[place[j[n]]]] @ by_j.T
@@ -132,39 +140,41 @@ def _sum_up(
     i: IntArray, j: IntArray, relative: FloatArray, information: FloatArray, blind: BoolArray, poses: FloatArray,
     weights: FloatArray, place: IntArray, first: IntArray, at: IntArray, blocks: FloatArray, right: FloatArray,
 ) -> None:  # fmt: skip
-    missed, by_i, by_j = np.empty(3), np.empty((3, 3)), np.empty((3, 3))
-    left_i, left_j = np.empty((3, 3)), np.empty((3, 3))
     for n in range(len(i)):
-        if weights[n] <= 0.0:
+        weight = weights[n]
+        if weight <= 0.0:
             continue
-        _missed(poses[i[n]], poses[j[n]], relative[n], blind[n], missed, by_i, by_j)
-        _across(by_i, information[n], weights[n], left_i)
-        _across(by_j, information[n], weights[n], left_j)
-        _add(left_i, by_i, blocks[first[place[i[n]]]])
-        _add(left_j, by_j, blocks[first[place[j[n]]]])
-        if place[i[n]] > place[j[n]]:
-            _add(left_i, by_j, blocks[at[n]])
-        else:
-            _add(left_j, by_i, blocks[at[n]])
-        for r in range(3):
-            for c in range(3):
-                right[i[n], r] -= left_i[r, c] * missed[c]
-                right[j[n], r] -= left_j[r, c] * missed[c]
+        x, y, heading, c, s, u, v = _linear(i[n], j[n], relative[n], blind[n], poses)
+        own_i, own_j, below = first[place[i[n]]], first[place[j[n]]], place[i[n]] > place[j[n]]
+        # rows of derivative^T information, in which those of the start are the end's with a minus but for the last one
+        for r, (p, q, t) in enumerate(((c, -s, 0.0), (s, c, 0.0), (0.0, 0.0, 1.0))):
+            a0, a1, a2 = _row(information, n, weight * p, weight * q, weight * t)
+            b0, b1, b2 = -a0, -a1, -a2
+            if r == 2:
+                b0, b1, b2 = _row(information, n, weight * u, weight * v, -weight)
+            _add(blocks, own_i, r, b0, b1, b2, -c, -s, u, v, -1.0)
+            _add(blocks, own_j, r, a0, a1, a2, c, s, 0.0, 0.0, 1.0)
+            if below:
+                _add(blocks, at[n], r, b0, b1, b2, c, s, 0.0, 0.0, 1.0)
+            else:
+                _add(blocks, at[n], r, a0, a1, a2, -c, -s, u, v, -1.0)
+            right[i[n], r] = right[i[n], r] - b0 * x - b1 * y - b2 * heading
+            right[j[n], r] = right[j[n], r] - a0 * x - a1 * y - a2 * heading
 
 
 @njit(cache=True)
-def _across(derivative: FloatArray, information: FloatArray, weight: float, out: FloatArray) -> None:
-    """Write derivative^T information weight."""
-    for r in range(3):
-        for c in range(3):
-            out[r, c] = 0.0
-            for k in range(3):
-                out[r, c] += weight * derivative[k, r] * information[k, c]
+def _row(information: FloatArray, n: int, p: float, q: float, t: float) -> tuple[float, float, float]:
+    """Return p, q, t times the n-th information."""
+    a = p * information[n, 0, 0] + q * information[n, 1, 0] + t * information[n, 2, 0]
+    b = p * information[n, 0, 1] + q * information[n, 1, 1] + t * information[n, 2, 1]
+    return a, b, p * information[n, 0, 2] + q * information[n, 1, 2] + t * information[n, 2, 2]
 
 
 @njit(cache=True)
-def _add(left: FloatArray, derivative: FloatArray, block: FloatArray) -> None:
-    for r in range(3):
-        for c in range(3):
-            for k in range(3):
-                block[r, c] += left[r, k] * derivative[k, c]
+def _add(
+    blocks: FloatArray, b: int, r: int, x: float, y: float, z: float, c: float, s: float, u: float, v: float, t: float
+) -> None:
+    """Add x, y, z times [[c, s, u], [-s, c, v], [0, 0, t]] to a row of a block."""
+    blocks[b, r, 0] = blocks[b, r, 0] + x * c - y * s
+    blocks[b, r, 1] = blocks[b, r, 1] + x * s + y * c
+    blocks[b, r, 2] = blocks[b, r, 2] + x * u + y * v + z * t

@@ -109,6 +109,12 @@ class Closures:
     def __getitem__(self, part: BoolArray | IntArray | slice) -> Closures:
         return Closures(self.i[part], self.j[part], self.relative[part], self.covariance[part], self.weight[part])
 
+    def same(self, other: Closures) -> bool:
+        """Return whether others say the same, number by number."""
+        own = (self.i, self.j, self.relative, self.covariance, self.weight)
+        others = (other.i, other.j, other.relative, other.covariance, other.weight)
+        return all(np.array_equal(a, b) for a, b in zip(own, others, strict=True))
+
 
 def no_closures() -> Closures:
     """Return an empty set."""

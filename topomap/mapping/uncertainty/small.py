@@ -79,7 +79,10 @@ def distance2(s: FloatArray, x: float, y: float, heading: float, blind: bool) ->
 @njit(cache=True)
 def wrapped(angle: float) -> float:
     """Return the same angle in [-pi, pi) [rad]."""
-    return (angle + math.pi) % TAU - math.pi
+    turned = angle + math.pi
+    if 0.0 <= turned < TAU:  # nearly always, and a remainder takes as long as all the rest of a squared error
+        return turned - math.pi
+    return turned % TAU - math.pi
 
 
 @njit(cache=True)
