@@ -20,8 +20,8 @@ from topomap.mapping.optimizer.settings import OptimizerSettings
 ANCHOR = 1e6  # information of the first pose [1/m^2, 1/rad^2]: it has nothing to pull against, so any holds it
 HALVINGS = 5  # of a step that makes the error worse
 FILLED = 0.8  # of a pattern's edges that others have at least to take it over: a new order takes as long as two steps
-# products of blocks an edge up to which a pattern is taken over anyway, as a step with it then takes a fraction of what a
-# order does: 20 on intel, 40 on manhattan, 80 on w10000, each with all its true closures
+# products of blocks an edge up to which a pattern is taken over anyway, as a step with it then takes a fraction of what
+# a new order does: 10 on intel, 25 on manhattan, each with all its true closures
 LIGHT = 40
 KEPT = 3  # networks that are kept: closures that stand, one a cluster of them and none are asked for in turn
 
