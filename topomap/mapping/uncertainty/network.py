@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -13,7 +12,8 @@ from topomap.mapping.uncertainty.network_search import NEVER
 from topomap.mapping.uncertainty.odometry_chain import Chain, carried_to_origin
 
 ROOTS = 24  # nodes from which paths to all others are known; more of them hardly tighten the bound on 10,000 nodes
-MANY = 500  # paths asked for from which on it pays to find first how far all places are from the roots
+MANY = 30  # paths asked for from which on it pays to find first how far all places are from some landmarks
+LANDMARKS, ANOTHER = 4, 250  # of these so many, and one more for every so many paths: of few paths more save nothing
 
 
 class Edges(NamedTuple):
@@ -55,6 +55,7 @@ class PathNetwork:
             np.concatenate([np.full(nodes - 1, NEVER), label]),
         )
         self._closed = bool(len(i))
+        self._far = np.zeros((nodes, 0))
 
     @staticmethod
     def of_chain(chain: Chain) -> PathNetwork:
@@ -71,28 +72,30 @@ class PathNetwork:
             return self.along(i, j)
         skip = np.full(len(i), NEVER) if without is None else without
         sure = not self.chain.calibration.any()
-        landmarks = self._landmarks if sure and len(i) >= MANY else np.zeros((len(self.chain.poses), 0))
+        landmarks = self._landmarks(len(i)) if sure and len(i) >= MANY else self._far[:, :0]
         found = np.asarray(path_errors(*self._edges, self.chain.calibration, landmarks, i, j, skip))
         if sure or without is not None:
             return found
         detour = self.upper_bounds(i, j)  # the way found needn't be the best
         return np.where((detour[:, 2, 2] < found[:, 2, 2])[:, None, None], detour, found)
 
-    @cached_property
-    def _landmarks(self) -> FloatArray:
+    def _landmarks(self, paths: int) -> FloatArray:
         """(N, K) how far places are from some [rad^2] with closures of every label: no path is shorter."""
-        return np.asarray(distances(*self._edges, self.chain.calibration, self._roots))
+        wanted = min(LANDMARKS + paths // ANOTHER, ROOTS, len(self._far))
+        if self._far.shape[1] < wanted:
+            self._far = np.asarray(distances(*self._edges, self.chain.calibration, self._roots(wanted)))
+        return self._far
 
-    @cached_property
-    def _roots(self) -> IntArray:
+    def _roots(self, count: int) -> IntArray:
+        """Return so many places, evenly spread along the way."""
         nodes = len(self.chain.poses)
-        return np.unique(np.linspace(0, nodes - 1, min(ROOTS, nodes)).astype(np.int64))
+        return np.unique(np.linspace(0, nodes - 1, min(count, nodes)).astype(np.int64))
 
     def upper_bounds(self, i: IntArray, j: IntArray) -> FloatArray:
         """Return (n, 3, 3) errors about the origin that are no smaller than `errors`: by the best of some detours."""
         if not self._closed:
             return self.along(i, j)
-        random, systematic = tree_errors(*self._edges, self.chain.calibration, self._roots)
+        random, systematic = tree_errors(*self._edges, self.chain.calibration, self._roots(ROOTS))
         return np.asarray(bounds(random, systematic, self.chain.calibration, i, j))
 
     def along(self, i: IntArray, j: IntArray) -> FloatArray:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import heapq
 from typing import NamedTuple
 
 import numpy as np
@@ -36,7 +35,8 @@ def _left(landmarks: FloatArray, chosen: IntArray, node: int, target: int) -> fl
 class Room(NamedTuple):
     """What a search fills in: reach (N,) [rad^2], the variance of heading on the way to a node; left (N,), what is left
     from it at least; by (N,), the edge by which it is reached; own (N,) and turned (N, 3), the way's own variance and
-    what a calibration does to its heading; seen (N,): the search that has filled in the others.
+    what a calibration does to its heading; seen (N,): the search that has filled in the others; queue (Q, 2),
+    queued (Q,): a binary heap of nodes with what their way is at least and minus what of it is gone, Q more than N.
     """
 
     reach: FloatArray
@@ -45,14 +45,60 @@ class Room(NamedTuple):
     own: FloatArray
     turned: FloatArray
     seen: IntArray
+    queue: FloatArray
+    queued: IntArray
 
 
 @njit(cache=True)
-def room_of(nodes: int) -> Room:
+def room_of(nodes: int, queue: int) -> Room:
     return Room(
         np.empty(nodes), np.empty(nodes), np.empty(nodes, np.int64), np.empty(nodes), np.empty((nodes, 3)),
-        np.full(nodes, -1),
+        np.full(nodes, -1), np.empty((queue, 2)), np.empty(queue, np.int64),
     )  # fmt: skip
+
+
+@njit(cache=True)
+def _push(queue: FloatArray, queued: IntArray, size: int, least: float, gone: float, node: int) -> None:
+    """Put a node into the heap of so many others: a list of tuples with `heapq` takes twice as long."""
+    k = size
+    while k > 0:
+        above = (k - 1) // 2
+        if (queue[above, 0], queue[above, 1], queued[above]) <= (least, gone, node):
+            break
+        queue[k, 0], queue[k, 1], queued[k] = queue[above, 0], queue[above, 1], queued[above]
+        k = above
+    queue[k, 0], queue[k, 1], queued[k] = least, gone, node
+
+
+@njit(cache=True)
+def _drop(queue: FloatArray, queued: IntArray, size: int) -> None:
+    """Take the first node out of the heap of so many."""
+    last = size - 1
+    least, gone, node = queue[last, 0], queue[last, 1], queued[last]
+    k = 0
+    while 2 * k + 1 < last:
+        below = 2 * k + 1
+        right = below + 1
+        if right < last and (queue[right, 0], queue[right, 1], queued[right]) < (
+            queue[below, 0], queue[below, 1], queued[below],
+        ):  # fmt: skip
+            below = right
+        if (least, gone, node) <= (queue[below, 0], queue[below, 1], queued[below]):
+            break
+        queue[k, 0], queue[k, 1], queued[k] = queue[below, 0], queue[below, 1], queued[below]
+        k = below
+    queue[k, 0], queue[k, 1], queued[k] = least, gone, node
+
+
+@njit(cache=True)
+def _purged(queue: FloatArray, queued: IntArray, reach: FloatArray) -> int:
+    """Take out of a full heap those for which a shorter way was found; return how many are left, one a node at most."""
+    left = 0
+    for k in range(len(queued)):
+        if -queue[k, 1] <= reach[queued[k]]:
+            _push(queue, queued, left, queue[k, 0], queue[k, 1], queued[k])
+            left += 1
+    return left
 
 
 @njit(cache=True)
@@ -91,15 +137,18 @@ def search(
     reach[source], by[source], seen[source] = 0.0, -1, turn
     room.own[source], room.turned[source] = 0.0, 0.0
     left[source] = _left(landmarks, chosen, source, target)
-    queue = [(left[source], 0.0, source)]
-    while queue:
-        _, gone, node = heapq.heappop(queue)
+    queue, queued = room.queue, room.queued
+    queue[0, 0], queue[0, 1], queued[0], waiting = left[source], 0.0, source, 1
+    while waiting:
+        here, node = -queue[0, 1], queued[0]
         if node == target:
             return
-        here = -gone
+        _drop(queue, queued, waiting)
+        waiting -= 1
         if here > reach[node]:
             continue
-        for edge in onward[first[node] : first[node + 1]]:
+        for k in range(first[node], first[node + 1]):
+            edge = onward[k]
             if skip >= 0 and label[edge] == skip:
                 continue
             other = start[edge] + end[edge] - node
@@ -116,4 +165,7 @@ def search(
             reach[other], by[other], seen[other] = there, edge, turn
             if not sure:
                 room.own[other], room.turned[other] = room.own[node] + max(random[edge, 2, 2], LEAST), turned
-            heapq.heappush(queue, (there + left[other], -there, other))
+            if waiting == len(queued):
+                waiting = _purged(queue, queued, reach)
+            _push(queue, queued, waiting, there + left[other], -there, other)
+            waiting += 1
