@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from lapped import lapped
@@ -9,7 +11,7 @@ from lapped import lapped
 from topomap.core.arrays import FloatArray
 from topomap.core.errors import TopomapError
 from topomap.mapping.closures.drive import HELD
-from topomap.mapping.closures.working_map import CLOSING
+from topomap.mapping.closures.working_map import CLOSING, GROWING
 from topomap.mapping.optimizer import HeldSolver, Problem, solve
 from topomap.mapping.optimizer.block_cholesky import BlockPattern
 
@@ -62,6 +64,19 @@ def test_a_pattern_is_taken_over_where_it_has_a_block_for_every_edge() -> None:
     lacking = [pattern.joining(np.array([a]), np.array([b])) is None for a in range(5) for b in range(a)]
     assert any(lacking)
     assert not all(lacking)
+
+
+def test_a_solve_that_is_asked_for_again_is_not_made_again() -> None:
+    drive, claims, _ = lapped(laps=3).engine_input()
+    solver, closures = drive.solver, claims.closures()
+    first = solver.solve(drive.poses, closures, CLOSING)
+    assert solver.solve(drive.poses, claims[:].closures(), CLOSING) is first
+    assert solver.solve(first.poses, closures, CLOSING) is not first
+    assert solver.solve(first.poses, closures, GROWING) is not solver.solve(first.poses, closures, CLOSING)
+    some = solver.solve(drive.poses, closures[:-3], CLOSING)
+    assert len(some.inlier) == len(closures) - 3
+    moved = replace(closures, relative=closures.relative + 0.1)
+    assert not moved.same(closures)
 
 
 def test_a_matrix_that_is_not_positive_definite_has_no_factor() -> None:

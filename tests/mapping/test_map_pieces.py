@@ -16,7 +16,7 @@ from topomap.mapping.optimizer.pose_network import _missed
 from topomap.mapping.optimizer.residuals import _axis
 from topomap.mapping.places.recognition import Recognition, RecognitionSettings
 from topomap.mapping.sequential import SequentialConstraints
-from topomap.mapping.uncertainty.network_search import _left, _signposts
+from topomap.mapping.uncertainty.network_search import _drop, _left, _purged, _push, _signposts
 from topomap.vision.homing.epipolar import ENOUGH
 
 
@@ -32,16 +32,32 @@ def test_the_landmarks_that_tell_most_are_the_signposts() -> None:
     assert chosen.tolist() == [1, 0]
 
 
+def test_a_heap_gives_the_nearest_first_and_loses_only_what_a_shorter_way_replaced() -> None:
+    rng = np.random.default_rng(3)
+    gone, node = rng.permutation(40.0 * np.arange(1, 41)).reshape(2, 20).T, np.arange(20)
+    queue, queued = np.empty((40, 2)), np.empty(40, np.int64)
+    for size, (way, which) in enumerate(zip(gone.ravel().tolist(), np.repeat(node, 2).tolist(), strict=True)):
+        _push(queue, queued, size, way + which, -way, which)  # two ways to each node
+    left = _purged(queue, queued, gone.min(axis=1))
+    assert left == 20
+    popped = []
+    for size in range(left, 0, -1):
+        popped.append((queue[0, 0], -queue[0, 1], queued[0]))
+        _drop(queue, queued, size)
+    shortest = gone.min(axis=1)
+    assert popped == sorted(zip((shortest + node).tolist(), shortest.tolist(), node.tolist(), strict=True))
+
+
 @pytest.mark.parametrize("blind", [False, True])
 def test_what_a_link_misses_changes_with_both_poses_as_its_derivatives_say(blind: bool) -> None:
     start, end, claimed = np.array([0.4, -1.1, 0.7]), np.array([2.0, 0.3, 1.5]), np.array([1.2, 0.4, 0.3])
     missed, by_i, by_j = np.empty(3), np.full((3, 3), np.nan), np.full((3, 3), np.nan)
-    _missed(start, end, claimed, blind, missed, by_i, by_j)
+    _missed(0, 1, claimed, blind, np.array([start, end]), missed, by_i, by_j)
     unused, step = np.empty((3, 3)), 1e-6
     for k in range(3):
         moved, turn = np.empty(3), np.eye(3)[k] * step
         for poses, slope in (((start + turn, end), by_i[:, k]), ((start, end + turn), by_j[:, k])):
-            _missed(*poses, claimed, blind, moved, unused, unused.copy())
+            _missed(0, 1, claimed, blind, np.array(poses), moved, unused, unused.copy())
             told = (moved - missed) / step
             free = 3 if not blind else 2  # a blind link's heading is tied whatever it is
             assert told[:free] == pytest.approx(slope[:free], abs=1e-5)

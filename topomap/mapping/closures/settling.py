@@ -17,6 +17,7 @@ from topomap.mapping.uncertainty.odometry_chain import carried_to_origin
 
 FALSE = 3e-4  # share of false ones that the finished map's closures may hold by their odds
 DOUBT = 1e-3  # share of false ones among closures tested beside the others up to which lone ones stand
+SEARCHED = 500  # closures that stand up to which what the map knows of them is searched path by path
 SETTLINGS = 6  # at most: solve, take out what strains the map, solve
 SETTLED = 1e-3  # share of new closures with which the finished map is no longer solved anew
 
@@ -97,7 +98,7 @@ def _likely(working: WorkingMap, suspected: BoolArray) -> IntArray:
     network, label, claims = working.network(), working.clusters.label, working.claims
     errors, member = beside_standing(working, network)
     others = np.flatnonzero(~member & working.allowed[label])
-    if len(others) > FEW:
+    if len(np.unique(working.clusters.own[others])) > FEW:
         own = claims[others]
         chi2, _ = mahalanobis(own, working.map.poses, network.upper_bounds(own.i, own.j))
         others = others[chi2 <= 2 * GATE]
@@ -120,7 +121,7 @@ def _known(working: WorkingMap, network: PathNetwork, anchors: IntArray) -> Floa
     time on w10000, with 10,000 of them.
     """
     own = working.claims[anchors]
-    if len(anchors) <= FEW or not working.drive.held or own.blind.any():
+    if len(anchors) <= SEARCHED or not working.drive.held or own.blind.any():
         return network.errors(own.i, own.j)
     poses = working.map.poses
     _, known = working.drive.solver.known(poses, own.closures())

@@ -26,7 +26,8 @@ SEVERAL = 3  # claims that agree with one another ...
 # ... may bend the growing map sooner: what is false among them strains it and is taken out
 LIKELY = float(np.log(20.0))
 UNLIKELY = float(np.log(20.0))  # log odds below which none is taken whatever the others are
-FEW = 500  # claims whose best paths are found at once; of more, only those that a quick upper bound leaves
+# paths that are searched at once; of more, only those that a bound leaves, which takes as long as some 3000 of them
+FEW = 2000
 # new closures may pull the map far: begin with cutoffs that let all of them pull
 GROWING = OptimizerSettings(cutoffs=(1e3, 10.0), iterations=2, tolerance=0.02)
 # 6 sigmas: the noise's scale is that of 99 % of the closures, and real ones have heavy tails
