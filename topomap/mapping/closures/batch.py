@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from topomap.core.arrays import BoolArray, FloatArray
+from topomap.core.arrays import BoolArray, FloatArray, IntArray
 from topomap.mapping.closures.claims import Claims
 from topomap.mapping.closures.closure_tests import TESTS, ClosureTest
 from topomap.mapping.closures.drive import Drive, MapState
@@ -113,9 +113,16 @@ def _best(working: WorkingMap) -> _Solution:
     if pulls_quickly(working):
         ways = [pull_all, grow] if mostly_true(working) else [grow, pull_all]
     found: list[_Solution] = []
+    ends: list[IntArray] = []
     for way in ways:
-        found.append(_solved(way, working.again()))
-        if _complete(found[-1].working):
+        other = working.again()
+        way(other)
+        settle(other)
+        if any(np.array_equal(other.standing, end) for end in ends):
+            continue  # it is the same map, but for rounding, which is not to choose between two ways
+        ends.append(other.standing)
+        found.append(_finished(other, NAMES[way]))
+        if _complete(other):
             break
     return max(found, key=lambda solution: solution.evidence)
 
@@ -128,13 +135,12 @@ def _doubtful(best: _Solution) -> bool:
     return best.tension > TENSE or (standing < TELLING and undecided(best.working) >= MUCH * standing)
 
 
-def _solved(begin: Begin, working: WorkingMap) -> _Solution:
-    begin(working)
-    settle(working)
+def _finished(working: WorkingMap, how: str) -> _Solution:
+    """Return a settled map as a solution: what its closures don't make likely taken out, and how likely the rest is."""
     confirm(working)
     ones = working.ones()
     found = log_evidence(working.drive, working.map, working.claims[ones], working.prior_odds(ones))
-    return _Solution(working, NAMES[begin], found.log_odds, found.tension)
+    return _Solution(working, how, found.log_odds, found.tension)
 
 
 def _complete(working: WorkingMap) -> bool:
