@@ -42,11 +42,15 @@ class ClosureEngine:
         stage: the part of the list that is asked, where not all can be asked at once.
         """
         odds, failed = np.zeros(len(claims)), np.full(len(claims), -1)
+        left, own, known = np.arange(len(claims)), claims, knowledge
         for k, test in list(enumerate(self.tests))[stage]:
-            left = np.flatnonzero(failed < 0)
-            odds[left] += test.weigh(claims[left], knowledge.among(left))
+            odds[left] += test.weigh(own, known)
             below = odds[left] < (bar if test.lowers else -np.inf)
-            failed[left[below | np.isneginf(odds[left])]] = k
+            out = below | np.isneginf(odds[left])
+            if out.any():
+                failed[left[out]] = k
+                stay = np.flatnonzero(~out)
+                left, own, known = left[stay], own[stay], known.among(stay)
         failed[(failed < 0) & (odds < bar)] = len(self.tests) - 1
         return Weighed(odds, failed)
 

@@ -105,7 +105,9 @@ def _fitted(
             a = log[0] + peak[n] + own - (tails + 3) / 2 * math.log1p(chi2[n] / (tails * scale))
             b = log[1] + peak[n] + near - chi2[n] / (2 * wide)
             most = max(a, b, log[2])
-            ea, eb, ec = math.exp(a - most), math.exp(b - most), math.exp(log[2] - most)
+            ea = 1.0 if a == most else math.exp(a - most)
+            eb = 1.0 if b == most else math.exp(b - most)
+            ec = 1.0 if log[2] == most else math.exp(log[2] - most)
             each = ea + eb + ec
             likelihood += most + math.log(each)
             sums[0] += ea / each

@@ -81,6 +81,7 @@ def log_crowding(claims: Claims, poses: FloatArray, errors: FloatArray) -> Float
     if not apart.any() or not len(claims):
         return np.zeros(len(claims))
     stand = between(poses[low[apart]], poses[high[apart]])
+    stand = stand[np.argsort(stand[:, 0], kind="stable")]  # those near a claim then lie side by side
     args = (claims.i, claims.j, claims.relative, claims.covariance, claims.blind)
     density = _density(*args, np.ascontiguousarray(poses), errors, stand)
     even = log_chance(poses, claims.blind)
@@ -93,15 +94,17 @@ def _density(
     errors: FloatArray, stand: FloatArray,
 ) -> FloatArray:  # fmt: skip
     total = np.zeros(len(i))
-    spread = np.empty((3, 3))
+    spread, ahead = np.empty((3, 3)), stand[:, 0].copy()
     for n in range(len(i)):
         seen_from(errors[n], poses[i[n], 2], poses[j[n], 0], poses[j[n], 1], spread)
         spread += covariance[n]
         determinant = distance2(spread, 0.0, 0.0, 0.0, blind[n])[1]
         reach = FURTHEST * (spread[0, 0] + spread[1, 1])
-        for k in range(len(stand)):
+        for k in range(np.searchsorted(ahead, claimed[n, 0] - math.sqrt(reach)), len(stand)):
             x, y = stand[k, 0] - claimed[n, 0], stand[k, 1] - claimed[n, 1]
             if x * x + y * y > reach:
+                if x > 0.0 and x * x > reach:
+                    break
                 continue
             heading = wrapped(stand[k, 2] - claimed[n, 2])
             near = math.hypot(x, y) <= FALSE_DISTANCE / 2

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from topomap.core.arrays import BoolArray, FloatArray
+from topomap.core.arrays import BoolArray, FloatArray, IntArray
 from topomap.core.errors import TopomapError
 from topomap.core.geometry import wrap_all
 from topomap.mapping.odometry.increments import Calibration
@@ -43,7 +43,8 @@ class HeldSolver:
         seeing = np.zeros(len(odometry), np.bool_)  # across a gap, too, little is known of the heading, but not nothing
         deltas, information = edges.deltas(calibration), np.asarray(np.linalg.inv(covariance), float)
         self.odometry = Links(odometry.i, odometry.j, deltas, information, seeing)
-        self._kept: list[_Graph] = []  # the newest first
+        self._kept: list[_Graph] = []  # the newest first, as the patterns
+        self._patterns: list[BlockPattern] = []
 
     def solve(self, poses: FloatArray, closures: Closures, settings: OptimizerSettings) -> Ended:
         """Return the poses (N, 3) with closures, from others, by graduated non-convexity as `solver.solve` does it.
@@ -103,14 +104,20 @@ class HeldSolver:
         return found
 
     def _new(self, closures: Closures, nodes: int) -> _Graph:
-        """Return a new network; its pattern is the last one's where that has room and isn't much too large."""
-        links, pattern = Links.of(closures), None
+        """Return a new network."""
+        links = Links.of(closures)
         ends = self.odometry.beside(links)
-        if self._kept:
-            last = self._kept[0].pattern
-            if len(ends.i) >= FILLED * len(last.at) or last.products <= LIGHT * len(ends.i):
-                pattern = last.joining(ends.i, ends.j)
-        return _Graph(self.odometry, closures, links, pattern or BlockPattern(nodes, ends.i, ends.j))
+        return _Graph(self.odometry, closures, links, self._pattern(ends.i, ends.j, nodes))
+
+    def _pattern(self, i: IntArray, j: IntArray, nodes: int) -> BlockPattern:
+        """Return a pattern with edges i, j (E,): one that is kept where it has room and isn't much too large."""
+        for kept in self._patterns:
+            if len(i) >= FILLED * len(kept.at) or kept.products <= LIGHT * len(i):
+                pattern = kept.joining(i, j)
+                if pattern is not None:
+                    return pattern
+        self._patterns = [BlockPattern(nodes, i, j), *self._patterns][:KEPT]
+        return self._patterns[0]
 
 
 class _Ending(NamedTuple):

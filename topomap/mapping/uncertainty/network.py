@@ -101,6 +101,8 @@ class PathNetwork:
     def along(self, i: IntArray, j: IntArray) -> FloatArray:
         """Return (n, 3, 3) the errors about the origin between places i and j (n,) by odometry alone."""
         low, high = np.minimum(i, j), np.maximum(i, j)
+        if not self.chain.calibration.any():
+            return np.asarray(self.chain.random[high] - self.chain.random[low])
         systematic = self.chain.systematic[high] - self.chain.systematic[low]
         shared = systematic @ self.chain.calibration @ systematic.transpose(0, 2, 1)
         return np.asarray(self.chain.random[high] - self.chain.random[low] + shared)
