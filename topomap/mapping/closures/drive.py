@@ -48,6 +48,8 @@ class Drive:
 
     def chain(self, state: MapState) -> Chain:
         """Return the errors of odometry along a map."""
+        if self.held:
+            return Chain.held(state.poses, *self._firm)
         edges = (
             self._integrated if state.calibration == self.prior else self.edges.increments.integrate(state.calibration)
         )
@@ -79,7 +81,7 @@ class Drive:
         wider = np.where(told[:, None, None], factor, 1.0) * increments.covariances
         return replace(self, edges=replace(self.edges, increments=replace(increments, covariances=wider)))
 
-    @property
+    @cached_property
     def held(self) -> bool:
         """Whether the odometry has no systematic error to find."""
         return max(self.sigmas) <= max(HELD) and not self.turns and not self.axes
@@ -87,6 +89,12 @@ class Drive:
     @cached_property
     def _integrated(self) -> Preintegrated:
         return self.edges.increments.integrate(self.prior)
+
+    @cached_property
+    def _firm(self) -> tuple[FloatArray, FloatArray]:
+        """The edges' noise (E, 3, 3) and lengths (E,) [m] with the calibration that they are taken to have."""
+        steps = np.abs(self._integrated.forward) / self.prior.distance_scale
+        return self._integrated.covariances(self.prior), steps
 
     @cached_property
     def solver(self) -> HeldSolver:

@@ -28,6 +28,7 @@ STILL = 1e-4  # change of both scales in a round with which a fit has ended
 # of the true loops, up to the limit of a claim that fits; more than their mean square where tails are heavy
 SHARE = 0.99
 WIDER = 30.0  # times the scale of true loops is that of false ones between near places at least
+LOGGED = 256  # factors of a likelihood whose logarithm is taken at once
 WORST = 1e6  # a loop further off [squared Mahalanobis distance] is false whatever the factor
 
 
@@ -99,7 +100,7 @@ def _fitted(
     for _ in range(rounds):
         own, near = constant - 1.5 * math.log(scale), -1.5 * math.log(wide)
         log = np.log(shares)
-        likelihood, pulled, pulled_near = 0.0, 0.0, 0.0
+        likelihood, pulled, pulled_near, product = 0.0, 0.0, 0.0, 1.0
         sums[:] = 0.0
         for n in range(len(chi2)):
             a = log[0] + peak[n] + own - (tails + 3) / 2 * math.log1p(chi2[n] / (tails * scale))
@@ -109,12 +110,17 @@ def _fitted(
             eb = 1.0 if b == most else math.exp(b - most)
             ec = 1.0 if log[2] == most else math.exp(log[2] - most)
             each = ea + eb + ec
-            likelihood += most + math.log(each)
+            likelihood += most
+            product *= each  # at most 3, of which so many are a number still
+            if n % LOGGED == 0:
+                likelihood += math.log(product)
+                product = 1.0
             sums[0] += ea / each
             sums[1] += eb / each
             sums[2] += ec / each
             pulled += ea / each * (tails + 3) / (tails + chi2[n] / scale) * chi2[n]
             pulled_near += eb / each * chi2[n]
+        likelihood += math.log(product)
         before, before_wide = scale, wide
         shares = np.minimum(np.maximum(sums / len(chi2), 1e-6), 1 - 1e-6)
         scale = max(pulled / max(3 * sums[0], 1e-12), 1e-12)

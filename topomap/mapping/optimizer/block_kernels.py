@@ -147,9 +147,9 @@ def inverse(first: IntArray, rows: IntArray, factor: FloatArray, z: FloatArray) 
             for s in range(p, end):
                 while rows[q] != rows[s]:
                     q += 1
-                _add_product(work[s - begin], z[q], factor[p], False)
+                _add_across(work, s - begin, z, q, factor, p)
                 if s > p:
-                    _add_product(work[p - begin], z[q], factor[s], True)
+                    _add_turned(work, p - begin, z, q, factor, s)
         _inverted(factor[begin], root)
         own = z[begin]
         own[:] = root
@@ -159,6 +159,24 @@ def inverse(first: IntArray, rows: IntArray, factor: FloatArray, z: FloatArray) 
         work[0] = 0.0
         _add_product(work[0], root, own, True)
         own[:] = work[0]
+
+
+@njit(cache=True)
+def _add_across(out: FloatArray, o: int, a: FloatArray, p: int, b: FloatArray, q: int) -> None:
+    """Add block p of a times block q of b to block o of out."""
+    for r in range(3):
+        x, y, z = a[p, r, 0], a[p, r, 1], a[p, r, 2]
+        for c in range(3):
+            out[o, r, c] = out[o, r, c] + x * b[q, 0, c] + y * b[q, 1, c] + z * b[q, 2, c]
+
+
+@njit(cache=True)
+def _add_turned(out: FloatArray, o: int, a: FloatArray, p: int, b: FloatArray, q: int) -> None:
+    """Add block p of a transposed times block q of b to block o of out."""
+    for r in range(3):
+        x, y, z = a[p, 0, r], a[p, 1, r], a[p, 2, r]
+        for c in range(3):
+            out[o, r, c] = out[o, r, c] + x * b[q, 0, c] + y * b[q, 1, c] + z * b[q, 2, c]
 
 
 @njit(cache=True)

@@ -55,6 +55,14 @@ class Chain:
             calibration_covariance,
         )
 
+    @staticmethod
+    def held(poses: FloatArray, noise: FloatArray, steps: FloatArray) -> Chain:
+        """Sum up edges without systematic errors: poses (N, 3), noise (N - 1, 3, 3) of each and its length (N - 1,)."""
+        carry = carried_to_origin(poses[:-1], poses[1:])
+        random = carry @ noise @ carry.transpose(0, 2, 1)
+        nothing = np.zeros((len(poses), 3, 3))
+        return Chain(poses, _summed(steps, None), _summed(random, None), nothing, np.zeros((3, 3)))
+
     def head(self, count: int) -> Chain:
         """Return the chain of the first nodes, as many as count."""
         return Chain(
