@@ -27,9 +27,12 @@ def settle(working: WorkingMap) -> None:
     if not len(working.standing):
         return
     suspected = np.zeros(len(working.clusters), bool)
+    tense = ~suspected
     for turn in range(SETTLINGS):
         working.told(0.7 + 0.3 * turn / SETTLINGS, f"{len(working.standing)} closures, settling")
         before, likely = len(working.standing), _likely(working, suspected)
+        if not tense.any() and np.array_equal(likely, working.standing):
+            break  # the map was solved with these, all of them fit and none strains it
         if not before:  # all were taken out: what comes back has as far to pull as at first
             working.pull(likely)
         working.solve(likely, CLOSING)

@@ -59,12 +59,22 @@ def factor(first: IntArray, rows: IntArray, blocks: FloatArray) -> bool:
         for p in range(begin + 1, end):
             _divided(blocks[p], blocks[begin])
         for p in range(begin + 1, end):
-            q = first[rows[p]]
+            q, own = first[rows[p]], _values(blocks, p)
             for s in range(p, end):
                 while rows[q] != rows[s]:
                     q += 1
-                _subtract(blocks, q, s, p)
+                _subtract(blocks, q, s, own)
     return True
+
+
+Block = tuple[float, float, float, float, float, float, float, float, float]
+
+
+@njit(cache=True, inline="always")
+def _values(blocks: FloatArray, p: int) -> Block:
+    """Return the nine values of a block, row by row, to be held in registers."""
+    a, b, c = blocks[p, 0], blocks[p, 1], blocks[p, 2]
+    return a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2]
 
 
 @njit(cache=True)
@@ -94,13 +104,13 @@ def _divided(b: FloatArray, root: FloatArray) -> None:
 
 
 @njit(cache=True, inline="always")
-def _subtract(blocks: FloatArray, q: int, s: int, p: int) -> None:
-    """Subtract block s times block p transposed from block q."""
+def _subtract(blocks: FloatArray, q: int, s: int, p: Block) -> None:
+    """Subtract block s times another one transposed, by its values, from block q."""
     for r in range(3):
         x, y, z = blocks[s, r, 0], blocks[s, r, 1], blocks[s, r, 2]
-        blocks[q, r, 0] -= x * blocks[p, 0, 0] + y * blocks[p, 0, 1] + z * blocks[p, 0, 2]
-        blocks[q, r, 1] -= x * blocks[p, 1, 0] + y * blocks[p, 1, 1] + z * blocks[p, 1, 2]
-        blocks[q, r, 2] -= x * blocks[p, 2, 0] + y * blocks[p, 2, 1] + z * blocks[p, 2, 2]
+        blocks[q, r, 0] -= x * p[0] + y * p[1] + z * p[2]
+        blocks[q, r, 1] -= x * p[3] + y * p[4] + z * p[5]
+        blocks[q, r, 2] -= x * p[6] + y * p[7] + z * p[8]
 
 
 @njit(cache=True)
