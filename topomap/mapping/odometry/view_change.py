@@ -49,8 +49,8 @@ def _structure(panorama: Panorama) -> Signature:
 def _without_light(panorama: Panorama) -> Signature:
     pixels = signature(panorama).pixels
     off = pixels - _around(pixels)
-    pixels = off / (np.sqrt(np.maximum(_around(np.square(off)), 0.0)) + np.float32(FLAT))
-    return Signature(pixels, np.fft.rfft(pixels, axis=1).astype(np.complex64))
+    held = np.asarray(off / (np.sqrt(np.maximum(_around(np.square(off)), 0.0)) + FLAT), np.float32)
+    return Signature(held, np.fft.rfft(held, axis=1).astype(np.complex64))
 
 
 def _around(pixels: Float32Array) -> Float32Array:
