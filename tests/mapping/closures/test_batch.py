@@ -11,7 +11,7 @@ from lapped import LAP, STEP, Lapped, lapped
 from topomap.core.arrays import FloatArray
 from topomap.core.geometry import between
 from topomap.evaluation.trajectory import ate
-from topomap.mapping.closures import growing, settling
+from topomap.mapping.closures import batch, growing, settling
 from topomap.mapping.closures.batch import Batch, Judgement
 from topomap.mapping.closures.claims import Claims
 from topomap.mapping.closures.closure_tests import TESTS, Knowledge
@@ -254,6 +254,18 @@ def test_of_many_claims_a_bound_sifts_and_changes_no_verdict(few: int, monkeypat
     found = judged(world)
     assert np.array_equal(found.inlier, expected.inlier)
     assert np.allclose(found.state.poses, expected.state.poses, atol=1e-6)
+
+
+def test_a_second_way_to_the_same_map_is_no_rival(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What rounding makes of the same closures is not to choose between two ways."""
+    expected, finished = judged(lapped(seed=3)), []
+    monkeypatch.setattr(batch, "_complete", lambda working: False)  # so that both ways are gone
+    monkeypatch.setattr(batch, "_doubtful", lambda best: False)
+    monkeypatch.setattr(batch, "confirm", finished.append)
+    found = judged(lapped(seed=3))
+    assert len(finished) == 1
+    assert np.array_equal(found.inlier, expected.inlier)
+    assert found.kept == expected.kept
 
 
 def test_progress_goes_up_to_one() -> None:

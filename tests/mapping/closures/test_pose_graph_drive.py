@@ -12,6 +12,7 @@ from topomap.mapping.closures.pose_graph_drive import claims_of, drive_of, odome
 from topomap.mapping.closures.working_map import GROWING
 from topomap.mapping.odometry.increments import Calibration
 from topomap.mapping.pose_graph import PoseGraph
+from topomap.mapping.uncertainty.odometry_chain import Chain
 
 
 def correlated() -> PoseGraph:
@@ -39,6 +40,18 @@ def test_the_drive_is_the_graphs_odometry_and_its_chain_knows_each_step() -> Non
     chain = drive.chain(state)
     k = np.arange(graph.nodes - 1)
     assert np.allclose(chain.covariance(k, k + 1), 0.5 * graph.odometry_covariance, atol=1e-9)
+
+
+def test_a_held_drives_chain_is_that_of_all_its_errors() -> None:
+    drive = drive_of(correlated(), 0.5)
+    state = drive.start()
+    assert drive.held
+    edges = drive.edges.increments.integrate(drive.prior)
+    held, whole = drive.chain(state), Chain.of(state.poses, edges, drive.prior, np.zeros((3, 3)))
+    assert np.array_equal(held.random, whole.random)
+    assert np.array_equal(held.travelled, whole.travelled)
+    i, j = np.random.default_rng(1).integers(0, len(state.poses), (2, 50))
+    assert np.array_equal(held.covariance(i, j), whole.covariance(i, j))
 
 
 def test_closures_are_in_order_of_their_places_and_know_where_they_came_from() -> None:
