@@ -22,7 +22,7 @@ SAME, SAME_TURN = 0.6, 0.6
 class Mixture:
     """n hypotheses: poses (n, 3), covariances (n, 3, 3) in the map frame, log weights (n,); seen (n, 3): over the last
     stretch the sum of squared likenesses, how many looks, and the least one; behind (n,): how far each was behind the
-    most alike one over the stretch before. elsewhere: log weight of all that isn't among them.
+    most alike one over a stretch, at most of late. elsewhere: log weight of all that isn't among them.
     """
 
     poses: FloatArray
