@@ -25,9 +25,9 @@ GROWTH = 1.8
 square. Between two corridors alike the place itself was the worse one by 0.2 to 0.4 units in 16 of 35 stretches, by 0.4
 to 0.7 in 10 of 37, by 0.7 to 1 in 4 of 24, by 1 to 1.5 in 3 of 59; in `office-loop` by all of these less often."""
 LASTING = 0.95
-"""Share of what was once said against a hypothesis that the next stretch has to exceed to say more. What differs a little
-between two places alike hangs together from stretch to stretch (by 0.85 between two corridors, by 0.6 in `office-loop`):
-it is how far aside the robot drives and in what light."""
+"""Share of the most that was said against a hypothesis that the next stretch has to exceed to say more. What differs a
+little between two places alike hangs together from stretch to stretch (by 0.85 between two corridors, by 0.6 in
+`office-loop`): it is how far aside the robot drives and in what light."""
 FIRST = 3.0
 """What the first view can say [nats]: 0.3 m aside in `office-loop`, a wrong place looks more like it in 2 of 5."""
 ESCAPE = 1e-3
