@@ -15,6 +15,7 @@ from topomap.mapping.closures import batch, growing, settling
 from topomap.mapping.closures.batch import Batch, Judgement
 from topomap.mapping.closures.claims import Claims
 from topomap.mapping.closures.closure_tests import TESTS, Knowledge
+from topomap.mapping.closures.working_map import WorkingMap
 
 NONE = np.zeros(0, np.int64)
 
@@ -258,7 +259,8 @@ def test_of_many_claims_a_bound_sifts_and_changes_no_verdict(few: int, monkeypat
 
 def test_a_second_way_to_the_same_map_is_no_rival(monkeypatch: pytest.MonkeyPatch) -> None:
     """What rounding makes of the same closures is not to choose between two ways."""
-    expected, finished = judged(lapped(seed=3)), []
+    expected = judged(lapped(seed=3))
+    finished: list[WorkingMap] = []
     monkeypatch.setattr(batch, "_complete", lambda working: False)  # so that both ways are gone
     monkeypatch.setattr(batch, "_doubtful", lambda best: False)
     monkeypatch.setattr(batch, "confirm", finished.append)
