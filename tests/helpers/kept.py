@@ -40,7 +40,8 @@ def as_before(name: str, figures: Figures, part: bool = False, close: float = CL
     assert part or list(now) == list(then)
     for said, one in now.items():
         assert len(one) == len(then[said]), said
-        least = close * SMALL * min(1.0, max((abs(b) for b in then[said] if isinstance(b, (float, int))), default=1.0))
+        largest = max((abs(b) for b in then[said] if isinstance(b, (float, int))), default=1.0)
+        least = close * SMALL * min(1.0, max(SMALL**2, largest))
         for k, (a, b) in enumerate(zip(one, then[said], strict=True)):
             assert _same(a, b, close, least), f"{said}[{k}] is {a}, was {b}"
 
