@@ -34,7 +34,7 @@ OWN = {"topomap/vision": ("tests/vision", "tests/test_constants.py")}
 """The tests that answer for another folder."""
 EQUIVALENT = Path(__file__).with_name("equivalent.toml")
 """Mutants that no test can notice, each with the reason."""
-BUDGET_S = 25.0
+BUDGET_S = 20.0
 """CPU time of tests that a mutant is tried with, as measured beside coverage, which takes half of it: the figures of a
 whole drive are kept by tests of 10 to 20."""
 KERNEL_S = 3.0
@@ -77,7 +77,7 @@ def _named(copied: Path) -> int:
     """Try every mistake of named.toml; 1 where one lives."""
     alive = 0
     for one in named():
-        lives = _passes(one.mutant(), [one.test], copied, HOUR_S)
+        lives = not _failing(one.mutant(), [one.test], copied, HOUR_S)
         alive += lives
         print(f"{'lives' if lives else 'noticed'}: {one.what} ({one.test})", flush=True)
     return int(alive > 0)
@@ -110,15 +110,17 @@ def survives(mutant: Mutant, copied: Path, reach: Reach) -> bool:
     plain = mutant.kernel and not mutant.file.startswith(COMPILED_HERE)
     each = KERNEL_S if plain else None
     limit = 300.0 if plain else 30 + 4 * seconds + COMPILING_S * mutant.kernel
-    return not tests or _passes(mutant, tests, copied, limit, each)
+    failing = _failing(mutant, tests, copied, limit, each) if tests else ""
+    reach.learn(failing)
+    return not failing
 
 
-def _passes(mutant: Mutant, tests: list[str], copied: Path, limit: float, each: float | None = None) -> bool:
+def _failing(mutant: Mutant, tests: list[str], copied: Path, limit: float, each: float | None = None) -> str:
     target = copied / mutant.file
     original = target.read_bytes()
     try:
         target.write_text(mutant.source, encoding="utf8")
-        return not noticed(tests, lambda: apply(mutant, copied), limit, each)
+        return noticed(tests, lambda: apply(mutant, copied), limit, each)
     finally:
         target.write_bytes(original)
 
