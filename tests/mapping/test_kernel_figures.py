@@ -202,8 +202,11 @@ def test_loops_through_claims_miss_as_before() -> None:
                                               np.arange(6))
              for window in (1, 2, 5) for limit in (3.0, 1e5)}  # fmt: skip
     many = np.repeat(np.arange(30) // 15, 2)[::2]
-    crowd = short_loops(many, (5 + np.repeat(many, 2))[::2], np.zeros((30, 3)), np.tile(np.eye(3), (30, 1, 1)), np.zeros(30, bool), where,
-                        random, np.array([0, 15] + [30] * 11), 3, 1e6, np.arange(30))  # fmt: skip
+    also, even = (5 + np.repeat(many, 2))[::2], np.tile(np.eye(3), (30, 1, 1))
+    first = np.array([0, 15] + [30] * 11)
+    crowd = short_loops(
+        many, also, np.zeros((30, 3)), even, np.zeros(30, bool), where, random, first, 3, 1e6, np.arange(30)
+    )
     as_before("kernels loops", {
         "told": told, **{name: np.concatenate(one) for name, one in found.items()}, "many": [len(crowd[0])],
     })  # fmt: skip

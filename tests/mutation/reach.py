@@ -130,4 +130,11 @@ def _users(name: str) -> tuple[tuple[str, ast.FunctionDef, bool], ...]:
 
 
 def _names(node: ast.FunctionDef, name: str) -> bool:
-    return any(isinstance(inner, ast.Name) and inner.id == name for inner in ast.walk(node))
+    """Return whether a name stands in a function, by itself or as that of a module of kernels."""
+    return any(_is_name(inner, name) for inner in ast.walk(node))
+
+
+def _is_name(node: ast.AST, name: str) -> bool:
+    if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
+        return node.attr == name and node.value.id.endswith("kernels")
+    return isinstance(node, ast.Name) and node.id == name
