@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import importlib
 import os
 import signal
@@ -39,6 +40,8 @@ def load(root: Path, tests: tuple[str, ...]) -> None:
     with Path(os.devnull).open("w") as quiet, redirect_stdout(quiet):
         if pytest.main([*OPTIONS, "--collect-only", "-qq", *tests]) != 0:
             raise RuntimeError("the tests can't be collected")
+    gc.collect()
+    gc.freeze()  # pytest collects garbage five times a run, and a copy would have to look through all of this
 
 
 class Chosen:

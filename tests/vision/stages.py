@@ -172,7 +172,10 @@ def of_two(goal: Panorama, current: Panorama) -> Iterator[tuple[str, Callable[[]
     yield "auto", lambda: [few.answer(current.rolled(turn), goal) for turn in (0, 41, 137)]
     yield "auto, prior", lambda: [few.answer(current.rolled(turn), goal, 0.2) for turn in (0, 41)]
     yield "auto, images", lambda: [few.answer(bare[0].rolled(turn), bare[1]) for turn in (0, 137)]
-    yield "rigid fit", lambda: moment_potential.rigid_fit(*(moment_potential.points(one[len(one) * 131 // 720 :]) for one in scans))
+    yield (
+        "rigid fit",
+        lambda: moment_potential.rigid_fit(*(moment_potential.points(one[len(one) * 131 // 720 :]) for one in scans)),
+    )
     yield "bearings", lambda: arena.bearings_home(np.random.default_rng(2).random((6, 2)), (0.3, 0.2))
     yield "view vector", lambda: [view_vector.vector_home(0.3, -0.2, 9.0, 0.4, metric) for metric in (False, True)]
 

@@ -70,7 +70,7 @@ def test_it_is_seen_as_before(camera: str) -> None:
     })  # fmt: skip
 
 
-@pytest.mark.parametrize("camera", CAMERAS)
+@pytest.mark.parametrize("camera", ["tiny", "odd", "high", "blank", "dead scanner"])
 def test_it_homes_as_before(camera: str) -> None:
     goal, current = views(camera)
     found = {name: told(lambda one=one: one.home(one.describe(current), one.describe(goal)))
