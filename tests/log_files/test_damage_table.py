@@ -234,8 +234,9 @@ def test_a_record_is_read_where_one_stands_and_its_length_is_asked_of_the_file_f
     assert read_record(file, len(data) - PREFIX.size + 1) is None
     assert read_record(io.BytesIO(PREFIX.pack(7, 0)), 0) == (7, b"")
     content = bytes(28) + (4).to_bytes(4, "little") + b"zstd" + (40).to_bytes(8, "little") + b"c" * 40
-    for opcode, body, found in ((Opcode.CHUNK, content, content), (Opcode.CHUNK, content[:-1], None),
-                                (Opcode.MESSAGE, content, None), (Opcode.CHUNK, content + b"rest", content)):  # fmt: skip
+    chunk, message = Opcode.CHUNK, Opcode.MESSAGE
+    for opcode, body, found in ((chunk, content, content), (chunk, content[:-1], None), (message, content, None),
+                                (chunk, content + b"rest", content)):  # fmt: skip
         told = read_by_inner_length(io.BytesIO(PREFIX.pack(opcode, 1 << 40) + body), 0)
         assert told == (None if found is None else (Opcode.CHUNK, found))
 
