@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import re
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass
@@ -24,6 +25,8 @@ CLOSE = 1e-4
 """Machines differ in the last digits, and what is iterated or summed over a view in some more."""
 SMALL = 0.1
 """Of the largest of some figures, or of 1 where that is less: what is smaller still needn't be closer than this is."""
+LONG = re.compile(r"-?\d+\.\d{6,}(?:e[-+]\d+)?|-?\d+(?:\.\d+)?e-\d+")
+"""Numbers in words as Python prints them, with digits in which machines differ."""
 Kept = list[float | str | None]
 Figures = Mapping[str, ArrayLike | Sequence[str]]
 
@@ -35,6 +38,7 @@ def as_before(name: str, figures: Figures, part: bool = False, close: float = CL
     then: dict[str, Kept] = json.loads(path.read_text(encoding="utf8")) if path.exists() else {}
     if os.environ.get("TOPOMAP_ANSWERS") == "write":
         then = then | now if part else now
+        then = {said: [LONG.sub(_short, w) if isinstance(w, str) else w for w in one] for said, one in then.items()}
         lines = ",\n".join(f"{json.dumps(said)}: {json.dumps(one)}" for said, one in then.items())
         path.write_text(f"{{\n{lines}\n}}\n", encoding="utf8")
     assert part or list(now) == list(then)
@@ -78,10 +82,18 @@ def _flat(values: ArrayLike | Sequence[str]) -> Kept:
     return [float(f"{one:.7g}") if math.isfinite(one) else str(one) for one in found.astype(float).tolist()]
 
 
+def _short(number: re.Match[str]) -> str:
+    return f"{round(float(number[0]), 6) + 0.0:.9g}"
+
+
 def _same(a: float | str | None, b: float | str | None, close: float, least: float) -> bool:
     if isinstance(a, float) and isinstance(b, (float, int)):
         return abs(a - b) <= max(close * abs(b), least)
-    return a == b
+    return _alike(a, b) if isinstance(a, str) and isinstance(b, str) else a == b
+
+
+def _alike(a: str, b: str) -> bool:
+    return LONG.sub(_short, a) == LONG.sub(_short, b)
 
 
 def whole(records: Sequence[StepRecord]) -> Figures:
