@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import replace
+from dataclasses import fields, is_dataclass, replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -27,7 +27,9 @@ from topomap.vision.homing.auto import Auto
 from topomap.vision.image.distances import fitted_coefficients
 from topomap.vision.image.keypoints import KeypointSpec, Matches, _detected
 from topomap.vision.image.landmarks import Landmarks, _nearest
+from topomap.vision.image.pixel_selection import coloured
 from topomap.vision.image.unwrap import MirrorRig, _rims, _sharpness, fit_mirror, unwrap, wrap_up
+from topomap.vision.matching import scan_search
 from topomap.vision.matching.image_flow import GreyView
 from topomap.vision.matching.moment_potential import convergence_point
 from topomap.vision.matching.scan_search import SearchSpec, places
@@ -283,3 +285,45 @@ def test_a_mirror_is_found_at_its_bounds() -> None:
         with pytest.raises(DataError, match="0 <= inner < outer"):
             MirrorRig(1.0, 1.0, inner, outer)
     as_before("mirrors found", {"told": told})
+
+
+def options() -> dict[str, object]:
+    """Methods and aligners of the tables, each with one of its options set to something else."""
+    made: dict[str, object] = {}
+    for one in (*METHODS.values(), *ALIGNERS.values()):
+        for field in fields(one) if is_dataclass(one) else ():
+            value, kind = getattr(one, field.name), type(one).__name__
+            other = not value if isinstance(value, bool) else value + 1 if isinstance(value, int) else 0.7 * value \
+                if isinstance(value, float) else None  # fmt: skip
+            if field.init and other is not None and f"{kind} {field.name}" not in made:
+                made[f"{kind} {field.name}"] = replace(one, **{field.name: other})
+    return made
+
+
+def test_each_option_tells_as_much_as_before() -> None:
+    rig = Rig(60, 20, 9.5, 60 / TAU, 0.5)
+    here, there, found = room(rig), room(rig, 4.1, 3.1, 0.6), {}
+    for name, one in options().items():
+        told: list[float] = []
+        try:
+            if hasattr(one, "home"):
+                told += numbers(one.home(one.describe(there), one.describe(here)))
+            if hasattr(one, "align"):
+                told += numbers(one.align(there, here, 0.3))
+            found[name] = told
+        except (DataError, ShapeError) as error:
+            found[name] = [str(error)]
+    as_before("options", found)
+
+
+def test_rows_about_the_horizon_and_cells_at_the_rim_count_as_before() -> None:
+    told: list[float] = []
+    for height, rows in itertools.product((20, 21, 1), (0.0, 0.04, 0.5, 1.0)):
+        rig = Rig(30, height, (height - 1) / 2, 30 / TAU, 0.5)
+        told += numbers(coloured(room(rig), 0.1, 0.2, rows))
+    points = np.array([[0.8, -0.9], [-0.75, 0.7], [0.1, 0.0], [0.3, 1.1], [-1.3, 0.2]])
+    table = scan_search._nearness(points, 3, 0.25)
+    told += numbers(table)
+    told += table.ravel().tolist()
+    told += scan_search._scores(table, points, np.arange(-4.0, 5.0) * 0.25, 0.25).ravel().tolist()
+    as_before("rims", {"told": told})
