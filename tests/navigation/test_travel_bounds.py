@@ -141,6 +141,18 @@ def test_what_is_between_the_course_and_the_view_at_its_bounds() -> None:
     as_before("travel steered", {"told": told})
 
 
+def test_what_touches_the_body_blocks_only_what_leads_nearer_to_it() -> None:
+    told = list[float]()
+    directions = np.array([0.0, 0.5, math.pi / 2, 3.0])
+    for ahead, away in itertools.product((0, 9, 18, 30), (0.0, 0.1, 0.259, 0.261, 0.75, 0.899, 0.9)):
+        ranges = np.full(72, 5.0, np.float32)
+        ranges[ahead] = away
+        told += np.minimum(PILOT._room(directions, ranges), 9.0).tolist()
+        told += [PILOT.steer(bearing, ranges).turn for bearing in (0.0, 0.3, 1.2, 1.3)]
+    assert PILOT._room(np.zeros(1), np.zeros(72, np.float32))[0] == math.inf
+    as_before("travel room", {"told": told})
+
+
 def test_progress_and_remedies_at_their_bounds() -> None:
     told: list[float] = []
     for lefts in ((9.0, 9.0 - STRETCH, 8.7, 8.7 - STRETCH, 7.0, 5.0), (3.0, 3.0 - RECOVERED, 1.4, 1.0)):

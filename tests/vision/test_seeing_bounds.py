@@ -322,6 +322,7 @@ def test_rows_about_the_horizon_and_cells_at_the_rim_count_as_before() -> None:
         rig = Rig(30, height, (height - 1) / 2, 30 / TAU, 0.5)
         told += numbers(coloured(room(rig), 0.1, 0.2, rows))
     points = np.array([[0.8, -0.9], [-0.75, 0.7], [0.1, 0.0], [0.3, 1.1], [-1.3, 0.2]])
+    assert [len(scan_search._table(np.array([[far, 0.0]]), 0.25)) for far in (5.0, 25.0, 40.0)] == [49, 209, 241]
     table = scan_search._nearness(points, 3, 0.25)
     told += numbers(table)
     told += table.ravel().tolist()
