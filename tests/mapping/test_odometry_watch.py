@@ -16,6 +16,7 @@ from sim2d import worlds
 from sim2d.config import SimConfig
 from sim2d.records import SetDown, SimReading
 from sim2d.robot import SimRobot
+from topomap.app.config import load_config
 from topomap.core.geometry import Pose2
 from topomap.core.panorama import Panorama
 from topomap.core.records import Command, Motion
@@ -56,6 +57,28 @@ def test_an_undisturbed_drive_is_believed() -> None:
 def test_being_carried_on_by_two_metres_is_noticed_at_once() -> None:
     seen = taught(80)
     assert [(k, word.split(":")[0]) for k, word in said(seen[:40] + seen[60:])] == [(40, "carried away")]
+
+
+@cache
+def lit(hour: int) -> list[SimReading]:
+    robot = SimRobot(worlds.load("room-corridor"), load_config(None, [f"sim.camera.hour={hour}"]).sim, 0)
+    return [reading for _ in range(60) if (reading := robot.sense()) is not None]
+
+
+def beside_a_lamp(reading: SimReading) -> SimReading:
+    """The same by camera alone, twice as bright on one side of the robot and half as bright on the other."""
+    gains = np.exp2(np.cos(np.linspace(0.0, 2 * np.pi, reading.image.shape[1])))[None, :, None]
+    return replace(reading, image=np.clip(reading.image * gains, 0, 255).astype(np.uint8), ranges=None)
+
+
+@pytest.mark.parametrize("ranged", [True, False])
+def test_another_light_is_no_break_but_being_carried_under_it_is(ranged: bool) -> None:
+    before = lit(13) if ranged else blind(taught(60))
+    behind = lit(20) if ranged else [beside_a_lamp(reading) for reading in before]
+    broken, mended, _ = watched(before[:40] + behind[40:])
+    assert broken == []
+    assert [(k, word.split(":")[0]) for k, word in mended] == [(40, "the light changed")]
+    assert [k for k, _ in said(before[:30] + behind[50:])] == [30]
 
 
 def test_wheels_that_stood_while_the_view_moved_are_noticed_when_they_go_on() -> None:

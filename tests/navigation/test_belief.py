@@ -79,6 +79,38 @@ def test_each_step_is_as_before(name: str) -> None:
     as_before("mixture", {f"{name}: {said}": one for said, one in figures(stages()[name]).items()}, part=True)
 
 
+def driven_between_two(behind: float, stretches: int) -> float:
+    """The share of the likelier of two places, the other one so many units less like each stretch."""
+    start = Mixture.at(np.zeros(3), 0.01 * np.eye(3), 1e-3)
+    mixture = start.joined_by(np.array([[9.0, 0.0, 0.0]]), 0.01 * np.eye(3), start.weights).normalised()
+    for _ in range(stretches):
+        for _ in range(6):
+            mixture = mixture.looked(np.array([0, 1]), 0.04 + np.array([0.0, behind * (0.015 + 0.1 * 0.04)]))
+        mixture = by_stretch(mixture, seen())
+    return math.exp(mixture.weights[0]) / math.exp(float(np.logaddexp.reduce(mixture.weights)))
+
+
+def test_what_differs_a_little_and_lastingly_doesnt_make_one_of_two_alike_sure() -> None:
+    assert driven_between_two(0.5, 20) < 0.9
+    assert driven_between_two(0.5, 1) > 0.6
+
+
+def test_what_differs_clearly_makes_one_of_two_sure_within_three_stretches() -> None:
+    assert driven_between_two(3.0, 3) > 0.995
+
+
+def test_a_place_that_was_hidden_for_a_stretch_comes_back() -> None:
+    start = Mixture.at(np.zeros(3), 0.01 * np.eye(3), 1e-3)
+    mixture = start.joined_by(np.array([[9.0, 0.0, 0.0]]), 0.01 * np.eye(3), start.weights).normalised()
+    weights = []
+    for hidden in (0.2, 0.0, 0.0):
+        for _ in range(6):
+            mixture = mixture.looked(np.array([0, 1]), 0.04 + np.array([hidden, 0.001]))
+        mixture = by_stretch(mixture, seen())
+        weights.append(math.exp(mixture.weights[0]))
+    assert weights[0] < 0.01 < 0.05 < weights[1]
+
+
 def test_what_views_tell_is_as_before() -> None:
     view, rng = seen(), np.random.default_rng(3)
     where, least = view.minima()

@@ -87,11 +87,14 @@ def test_a_likeness_that_half_the_map_has_says_little() -> None:
 
 def test_a_break_leaves_little_and_forgets_what_was_seen_before_it() -> None:
     start = Mixture.at(np.zeros(3), SMALL, 1e-3)
-    seen = Mixture(start.poses, start.covariances, start.weights, np.array([[0.05, 1.0, 0.05]]), start.elsewhere)
+    seen = Mixture(
+        start.poses, start.covariances, start.weights, np.array([[0.05, 1.0, 0.05]]), np.ones(1), start.elsewhere
+    )
     after = seen.shaken(0.8)
     assert math.exp(after.weights[0]) == pytest.approx(0.2, abs=1e-3)
     assert sum(probabilities(after)) == pytest.approx(1.0)
     assert after.seen.tolist() == [[0.0, 0.0, np.inf]]
+    assert np.isnan(after.behind).all()
 
 
 def test_a_look_that_is_bounded_counts_for_no_more_in_the_sum_but_is_kept_as_the_least() -> None:

@@ -158,6 +158,17 @@ class Shown:
     how: str = "the ranges show"
 
 
+def ranges_confirm(before: Panorama, now: Panorama, read: Pose2) -> bool:
+    """Return whether ranges show, in both directions, the step that the odometry reads."""
+    if before.ranges is None or now.ranges is None or np.array_equal(before.ranges, now.ranges, equal_nan=True):
+        return False
+    shown = _match(before.ranges, now.ranges, read)
+    if shown is None or len(shown.told) < 2:
+        return False
+    off = read.to(shown.pose)
+    return math.hypot(off.x, off.y) <= WAY_OFF and abs(off.heading) <= TURN_OFF
+
+
 def _match(before: Float32Array, now: Float32Array, guess: Pose2) -> Shown | None:
     """Return a pose whose turn the ranges tell, and its way in one direction at least, or None."""
     match = match_scans(before, now, guess.array())

@@ -8,25 +8,21 @@ from statistics import median
 
 import numpy as np
 
-from topomap.core.arrays import FloatArray
-from topomap.core.geometry import TAU, Pose2
+from topomap.core.geometry import Pose2
 from topomap.core.panorama import Panorama
 from topomap.core.records import Motion
 from topomap.core.robot import MotionReading
 from topomap.mapping.odometry.gap import Restated
 from topomap.mapping.odometry.increments import Calibration, advance
-from topomap.mapping.odometry.scan_watch import STEPS, ScanWatch
-from topomap.mapping.odometry.seen_way import SECTORS
-from topomap.vision.image.compare import Signature, rotation_difference, sector_means, signature, turned
+from topomap.mapping.odometry.leaps import Leaps
+from topomap.mapping.odometry.scan_watch import STEPS, ScanWatch, ranges_confirm
+from topomap.mapping.odometry.view_change import LEAST, seen_turn, structure_change, view_change
 
 MEMORY, FEWEST = 60, 10
 """Steps over which the usual change is taken, and before which nothing is usual."""
 TIMES = 2.5
 """A change so many times the usual one is a break: undisturbed it is at most 1.8 times, carried on by a metre 3 or
 more in `hall`, where views change most slowly."""
-LEAST = 0.35
-"""Change below which nothing is a break: photographs outdoors change by up to 0.31 over 3 cm, views on the way into a
-corridor by 0.23 a step; carried on by 2 m a view changes by 0.38 at least in `hall`, by 0.6 in `room-corridor`."""
 TURN_WAY = 0.2
 """[m] Way that changes a view as much as turning by one radian on the spot does."""
 STILL, STILL_SHARE, MOVING = 0.02, 0.2, 0.5
@@ -43,15 +39,14 @@ UNMOVED = 0.2
 """Share of the usual change up to which a view stands still."""
 PATIENCE = 4
 """Steps in a row in which wheels and view contradict one another: people who pass do so for two or three."""
-
-
-LEAP, LEAP_LEAST, LEAP_CHANGE = 3.0, 0.3, 1.5
-"""Times the longest step of late, and [m], that a leap of the odometer exceeds, while the view changes by no more than
-so many times as usual: who drives three times as far sees twice the change."""
-LEAP_SHARE = 0.5
-"""Share of what the view changed by over as long a way before, below which the odometer's step is none: in hall,
-corridor, room and office 99 % of leaps by half a metre are; of true steps 3 to 20 times as long as usual 97 to 100 %
-aren't, in a park's photographs too (79 % in the office, whose views change by twice the usual by then)."""
+LIT, LIT_MOST = 2.0, 0.45
+"""Times the usual change without light, and change without light, up to which it is the light that changed. Undisturbed
+views change by up to 1.6 times it, carried on by a metre by 2.2 (`warehouse`), 3.8 (`office-loop`, room, hall) or more;
+from morning to noon in one step by 1.3 to 1.8, in 95 of 100, and by 2.6 in `hall`. Photographs of other places differ
+by 0.6 in a park, where 0.15 is usual."""
+LIT_STILL = 0.6
+"""The same where ranges show the step that the odometry reads: from noon to night views change by 0.57 at most in 95
+of 100 in `hall` and room; other places look otherwise by 0.85 in rooms, by 0.64 in `hall`."""
 QUICKER = 2.0
 """Times the quickest turn of a step so far, beyond which a turn that no view shows is the odometer's and no frame that
 the camera repeats: a corner begins with 0.009, 0.03, 0.064, 0.086 rad a step, odometry that errs by 0.3 rad reads 1."""
@@ -74,17 +69,14 @@ class OdometryWatch:
         self._previous: Panorama | None = None
         self._changes: deque[float] = deque(maxlen=MEMORY)
         self._ways: deque[float] = deque(maxlen=MEMORY)
+        self._structures: deque[float] = deque(maxlen=MEMORY)  # the same changes, without light
         self._latest: deque[float] = deque(maxlen=LATELY)
         self._whole: deque[float] = deque(maxlen=SOON)
         self._lately = 0.0
-        self._driven: deque[float] = deque(maxlen=MEMORY)
-        self._speeds: deque[float] = deque(maxlen=MEMORY)
         self._quickest = 0.0  # the quickest turn of a step so far [rad]
         self._dead = self._spinning = 0
-        self._leaping = False
         self._owed = 0.0, 0.0  # way [m] and turn [rad] while the camera repeated its frame: the next view shows them
-        self._behind: deque[tuple[Signature, float]] = deque(maxlen=MEMORY)  # views, and the way at them [m]
-        self._travel = 0.0
+        self._leaps = Leaps(MEMORY)
         self._scans = ScanWatch()
         self.seen: Restated | None = None
         self.said = ""
@@ -100,7 +92,7 @@ class OdometryWatch:
     def restate(self, previous: Panorama | None) -> None:
         """Take the last view for another one: its camera leant otherwise than was known."""
         self._previous = previous
-        self._behind.clear()
+        self._leaps.begin()
 
     def judge(self, panorama: Panorama, motion: MotionReading, calibration: Calibration) -> str:
         """Return why the robot isn't where odometry has it, or "": it was carried away, or wheels failed until now."""
@@ -110,25 +102,28 @@ class OdometryWatch:
             self._scans.begin(panorama)
             return ""
         owed_way, owed_turn = self._owed
-        change, whole = _change(panorama, previous, float(motion.turn) + owed_turn)
+        change, whole = view_change(panorama, previous, float(motion.turn) + owed_turn)
         driven = abs(motion.forward) + abs(motion.left)
-        self._behind.append((signature(previous), self._travel))
         way = driven + TURN_WAY * abs(motion.turn)
-        unturned = _change(panorama, previous, 0.0)
+        unturned = view_change(panorama, previous, 0.0)
         repeated = unturned[0] < UNMOVED * self._usual and abs(motion.turn) <= QUICKER * self._quickest
         self._owed = (owed_way + way, owed_turn + float(motion.turn)) if repeated else (0.0, 0.0)
         if repeated:  # it shows nothing of the step, so that it announces nothing either
             change, whole = unturned
-        leapt = self._leapt(driven, motion.dt, panorama, previous)
-        self._travel += median(self._driven) if leapt else driven
+        leapt = self._leaps.judge(driven, motion.dt, panorama, previous, self._usual)
         self._lately = max(self._latest, default=0.0)
         self._latest.append(change)
         announced = max(self._whole, default=0.0) >= ANNOUNCED
         self._whole.append(whole)
         turned = self._jumped(change, way + owed_way) and not leapt and not announced and not repeated
-        turn = _seen_turn(panorama, previous) - owed_turn if leapt or turned or self._scans.untrue else 0.0
-        if turned and self._jumped(_change(panorama, previous, turn + owed_turn)[0], way + owed_way):
+        structure = structure_change(panorama, previous, 0.0 if repeated else float(motion.turn) + owed_turn)
+        if turned and self._is_light(structure, previous, panorama, _corrected(motion, calibration)):
+            turned = False
+            self.said = f"the light changed: the view by {change:.2f}, what stands there by {structure:.2f}"
+        turn = seen_turn(panorama, previous) - owed_turn if leapt or turned or self._scans.untrue else 0.0
+        if turned and self._jumped(view_change(panorama, previous, turn + owed_turn)[0], way + owed_way):
             self._scans.begin(panorama)
+            self._leaps.begin()
             return f"carried away: the view changed by {change:.2f}, usual over a step is {self._usual:.2f}"
         doubted, self.turned = self.doubted, turned
         dead, spinning = self._contradicted(change, way, driven)
@@ -141,26 +136,25 @@ class OdometryWatch:
             ended = f"the odometry stood still for {dead} steps" if dead else f"the wheels spun for {spinning} steps"
         if way > self._still and not self._spinning and change < TIMES * max(self._usual, LEAST):
             self._changes.append(change)
+            self._structures.append(structure)
             self._ways.append(way + owed_way)
-            self._driven.append(driven)
+            self._leaps.learn(driven, motion.dt)
             self._quickest = max(self._quickest, abs(float(motion.turn)))
-            self._speeds.append(driven / motion.dt if motion.dt > 0 else 0.0)
         return ended
 
     def _restate(self, panorama: Panorama, read: Motion, turn: float, leapt: bool, turned: bool, moves: bool) -> None:
         """Take the step as what is seen has it, where the odometry's can't be true; turn: by the views [rad], asked
         where one of these holds."""
-        usual = median(self._driven) if self._driven else 0.0
+        usual = self._leaps.usual
         by_usual = leapt or self._scans.untrue
         if by_usual or turned:
             ways = SEEN_WAY if by_usual else None
             forward, left = (usual, 0.0) if by_usual else (read.forward, read.left)
             self.seen = Restated(forward, left, turn, ways, SEEN_TURN)
-        if leapt and not self._leaping:
+        if leapt and not self._leaps.before:
             self.said = f"the odometry leapt by {abs(read.forward):.1f} m in a step; the usual {usual:.2f} m are taken"
         elif turned:
             self.said = f"turned by {math.degrees(turn):.0f} degrees, which the odometry doesn't count"
-        self._leaping = leapt
         believed = read if self.seen is None else _stated(read, self.seen)
         shown = self._scans.step(
             panorama, advance(Pose2(), read), advance(Pose2(), believed), usual, self._dead > 0, moves
@@ -170,21 +164,6 @@ class OdometryWatch:
             c, s = math.cos(shown.heading / 2), math.sin(shown.heading / 2)
             forward, left = c * shown.x + s * shown.y, c * shown.y - s * shown.x
             self.seen = Restated(forward, left, shown.heading, SEEN_WAY, SHOWN_TURN)
-
-    def _leapt(self, driven: float, dt: float, panorama: Panorama, previous: Panorama) -> bool:
-        """Return whether the odometer counts a step that is none: the view changed as it does over a usual one."""
-        if len(self._changes) < FEWEST or driven < max(LEAP_LEAST, LEAP * max(self._driven)):
-            return False
-        if dt > 0 and driven / dt < LEAP * max(self._speeds):
-            return False  # readings were left out
-        change, _ = _change(panorama, previous, _seen_turn(panorama, previous))
-        return change < max(LEAP_CHANGE * self._usual, LEAST) and self._little(change, driven)
-
-    def _little(self, change: float, way: float) -> bool:
-        """Return whether a change is little for such a way: where views change slowly, it says nothing of it."""
-        now, last = self._behind[-1]
-        before = next((view for view, at in reversed(self._behind) if last - at >= way), self._behind[0][0])
-        return change < LEAP_SHARE * _difference(now, before, rotation_difference(now, before)[1])[0]
 
     @property
     def _still(self) -> float:
@@ -200,6 +179,13 @@ class OdometryWatch:
             return False
         longer = max(1.0, way / median(self._ways))
         return change > max(TIMES * self._usual * longer, LEAST, MORE * self._lately)
+
+    def _is_light(self, structure: float, previous: Panorama, panorama: Panorama, read: Motion) -> bool:
+        """Return whether a change of the view is one of the light alone; structure: the change without light."""
+        usual = median(self._structures)
+        if structure < min(LIT * usual, LIT_MOST):
+            return True
+        return structure < LIT_STILL and ranges_confirm(previous, panorama, advance(Pose2(), read))
 
     def _contradicted(self, change: float, way: float, driven: float) -> tuple[int, int]:
         """Count steps in which wheels stand and the view moves, or the other way round; return the counts so far.
@@ -224,21 +210,3 @@ def _corrected(motion: MotionReading, calibration: Calibration) -> Motion:
 def _stated(read: Motion, seen: Restated) -> Motion:
     forward, left = (read.forward, read.left) if seen.ways is None else (seen.forward, seen.left)
     return Motion(forward, left, seen.turn, read.covariance, read.dt)
-
-
-def _seen_turn(now: Panorama, before: Panorama) -> float:
-    """Return how far the robot turned between two views [rad]."""
-    return rotation_difference(signature(now), signature(before))[1]
-
-
-def _change(now: Panorama, before: Panorama, turn: float) -> tuple[float, float]:
-    """Return how two views differ (rms), turned by the odometry's turn or nearly: median over sectors, and whole."""
-    return _difference(signature(now), signature(before), turn)
-
-
-def _difference(a: Signature, b: Signature, turn: float) -> tuple[float, float]:
-    """Return how two views differ (rms), one turned by `turn` [rad] or nearly: median over sectors, and whole."""
-    turns = turn + np.array([-1.0, 0.0, 1.0]) * TAU / a.pixels.shape[1]
-    squares: FloatArray = np.square(turned(a, turns) - b.pixels[None]).mean(axis=1)
-    by_sector = sector_means(squares, SECTORS)
-    return float(np.sqrt(np.median(by_sector, axis=1).min())), float(np.sqrt(squares.mean(axis=1).min()))

@@ -21,14 +21,15 @@ SAME, SAME_TURN = 0.6, 0.6
 @dataclass(frozen=True, slots=True, eq=False)
 class Mixture:
     """n hypotheses: poses (n, 3), covariances (n, 3, 3) in the map frame, log weights (n,); seen (n, 3): over the last
-    stretch the sum of squared likenesses, how many looks, and the least one. elsewhere: log weight of all that isn't
-    among them.
+    stretch the sum of squared likenesses, how many looks, and the least one; behind (n,): what the stretch before spoke
+    against each [nats], NaN for nothing. elsewhere: log weight of all that isn't among them.
     """
 
     poses: FloatArray
     covariances: FloatArray
     weights: FloatArray
     seen: FloatArray
+    behind: FloatArray
     elsewhere: float
 
     def __len__(self) -> int:
@@ -37,13 +38,18 @@ class Mixture:
     @staticmethod
     def unknown() -> Mixture:
         """Return that nothing is known."""
-        return Mixture(np.zeros((0, 3)), np.zeros((0, 3, 3)), np.zeros(0), np.zeros((0, 3)), 0.0)
+        return Mixture(np.zeros((0, 3)), np.zeros((0, 3, 3)), np.zeros(0), np.zeros((0, 3)), np.zeros(0), 0.0)
 
     @staticmethod
     def at(pose: FloatArray, covariance: FloatArray, doubt: float) -> Mixture:
         """Return one hypothesis, which doesn't hold with a probability of `doubt`."""
         return Mixture(
-            pose[None].copy(), covariance[None].copy(), np.log([1.0 - doubt]), unseen(1), float(np.log(doubt))
+            pose[None].copy(),
+            covariance[None].copy(),
+            np.log([1.0 - doubt]),
+            unseen(1),
+            unheard(1),
+            float(np.log(doubt)),
         )
 
     def moved(self, motion: Motion, noise: FloatArray) -> Mixture:
@@ -88,6 +94,7 @@ class Mixture:
             covariances=np.concatenate([self.covariances, np.broadcast_to(covariance, (len(poses), 3, 3))]),
             weights=np.concatenate([self.weights, weights]),
             seen=np.concatenate([self.seen, unseen(len(poses))]),
+            behind=np.concatenate([self.behind, unheard(len(poses))]),
         )
 
     def looked(self, which: IntArray, squares: FloatArray, most: float = np.inf) -> Mixture:
@@ -109,8 +116,9 @@ class Mixture:
     def shaken(self, doubt: float) -> Mixture:
         """Return the mixture after something that none of the hypotheses survived with a probability of `doubt`."""
         rest = float(np.logaddexp(self.elsewhere + np.log1p(-doubt), np.log(doubt)))
+        count = len(self)
         return replace(
-            self, weights=self.weights + np.log1p(-doubt), seen=unseen(len(self)), elsewhere=rest
+            self, weights=self.weights + np.log1p(-doubt), seen=unseen(count), behind=unheard(count), elsewhere=rest
         ).normalised()
 
     def normalised(self) -> Mixture:
@@ -135,8 +143,13 @@ class Mixture:
             taken |= group
             keep.append(k)
         kept = order[keep]
-        return Mixture(
-            self.poses[kept], self.covariances[kept], weights[keep], self.seen[kept], self.elsewhere
+        return replace(
+            self,
+            poses=self.poses[kept],
+            covariances=self.covariances[kept],
+            weights=weights[keep],
+            seen=self.seen[kept],
+            behind=self.behind[kept],
         ).normalised()
 
     def near(self, poses: FloatArray, within: float = 0.0) -> BoolArray:
@@ -152,6 +165,11 @@ class Mixture:
 def unseen(count: int) -> FloatArray:
     """Return the `seen` (count, 3) of hypotheses that had no look yet."""
     return np.tile([0.0, 0.0, np.inf], (count, 1))
+
+
+def unheard(count: int) -> FloatArray:
+    """Return the `behind` (count,) of hypotheses that no stretch spoke of."""
+    return np.full(count, np.nan)
 
 
 def _turned(headings: FloatArray) -> FloatArray:
