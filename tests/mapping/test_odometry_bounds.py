@@ -99,7 +99,7 @@ def test_noise_gaps_and_stand_ins_are_as_before() -> None:
     told += [one.deltas.ravel(), one.covariances.ravel() * 1e3]
     other = _read_as(ways, calibration, Calibration(0.97, -0.01, 1.1), 7)
     told += [other.deltas.ravel(), other.covariances.ravel() * 1e3, other.stamps_ns - ways.stamps_ns]
-    as_before("odometry restated", {"told": np.concatenate(told)})
+    as_before("odometry stand-ins", {"told": np.concatenate(told)})
     assert GAP[0, 0] == 2500.0
     near = OdometerNoise(1.0, 2.0)
     for factor, same in (
