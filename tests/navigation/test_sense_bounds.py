@@ -257,6 +257,10 @@ def test_who_is_lost_looks_around_for_so_far() -> None:
         looks = Relocalise(PILOT)
         looks._began, looks._steps = 5.0 - way, steps
         said.append(f"{way} {steps} {looks.step(view, False, where, goal, mapper)}")
+    fresh = Relocalise(PILOT)
+    track.travel = 5.0
+    ended = [fresh.step(view, False, where, goal, mapper)[1].phase is Phase.FAILED for _ in range(STEPS + 1)]
+    assert ended == [False] * STEPS + [True]
     contact = Relocalise(PILOT)
     said += [f"{contact.step(view, k > 0, where, goal, mapper)[0]}" for k in range(3)]
     for x, y, heading in ((1.0, 0.2, 0.5), (0.0, 0.0, 3.0), (2.0, 2.0, 0.0), (-NEXT[0], 0.0, 0.0), (-9.0, 0.0, 0.0)):

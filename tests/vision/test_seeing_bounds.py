@@ -23,7 +23,9 @@ from topomap.vision.compass import ALIGNERS, rearrangement
 from topomap.vision.compass.rearrangement import Rearrangement
 from topomap.vision.eye_level import CLEAR, eye_level
 from topomap.vision.homing import METHODS, auto
+from topomap.vision.homing import POLICIES as METHODS_THAT_MOVE
 from topomap.vision.homing.auto import Auto
+from topomap.vision.homing.run_down import THRESHOLD
 from topomap.vision.image.distances import fitted_coefficients
 from topomap.vision.image.keypoints import KeypointSpec, Matches, _detected
 from topomap.vision.image.landmarks import Landmarks, _nearest
@@ -314,6 +316,13 @@ def test_each_option_tells_as_much_as_before() -> None:
         except (DataError, ShapeError) as error:
             found[name] = [str(error)]
     as_before("options", found)
+
+
+def test_columns_count_from_above_the_threshold_on() -> None:
+    policy = METHODS_THAT_MOVE["run-down-threshold"]
+    shares = np.array([*around(THRESHOLD), 0.9, 0.1, 0.61])
+    told = [policy._one(a, b) for a, b in itertools.product((shares, shares[::-1]), (shares, np.roll(shares, 2)))]
+    as_before("run down", {"told": np.array(told)})
 
 
 def test_rows_about_the_horizon_and_cells_at_the_rim_count_as_before() -> None:
