@@ -17,7 +17,7 @@ from topomap.core.geometry import Pose2
 from topomap.core.panorama import Panorama
 from topomap.core.records import Alignment, Candidate, HomeVector, PlaceMatch, Verdict
 from topomap.core.rig import Rig
-from topomap.mapping.closures import relative_pose
+from topomap.mapping.closures import batch, noise, relative_pose
 from topomap.mapping.closures.appearance import FEW, RIVAL_DISTANCE, Appearance, Look, Outcome, _outcome, apart
 from topomap.mapping.closures.chance import probability
 from topomap.mapping.closures.claims import Claims
@@ -430,3 +430,29 @@ def test_the_thesis_rule_corrects_at_its_bounds() -> None:
         told += [*rule._corrections(1, 11, 10 * turn + off), *rule._travelled[-1:]]
         told += rule._redone(2, 6, 0.9, 1.1)[-1].tolist()
     as_before("closing thesis", {"told": told})
+
+
+def test_a_solution_is_doubtful_at_its_bounds(monkeypatch: pytest.MonkeyPatch) -> None:
+    told = list[bool]()
+    for complete, standing, open_, tension in itertools.product(
+        (True, False), (batch.TELLING - 1, batch.TELLING, 20), (2, 3, 4), around(batch.TENSE)
+    ):
+        monkeypatch.setattr(batch, "_complete", lambda _, c=complete: c)
+        monkeypatch.setattr(batch, "undecided", lambda _, o=open_: o)
+        working = SimpleNamespace(standing_clusters=lambda s=standing: np.zeros(s))
+        told.append(batch._doubtful(batch._Solution(working, "", 1.0, tension)))
+    monkeypatch.undo()
+    for standing, open_ in itertools.product((0, 99, 100, 300), (0, 1, 2, 3, 4)):
+        monkeypatch.setattr(batch, "undecided", lambda _, o=open_: o)
+        told.append(batch._complete(SimpleNamespace(standing_clusters=lambda s=standing: np.zeros(s))))
+    as_before("closing doubtful", {"told": np.array(told, float)})
+
+
+def test_a_mixture_needs_so_many_true_loops(monkeypatch: pytest.MonkeyPatch) -> None:
+    for true, found in zip(around(float(noise.FEWEST)), (False, True, True), strict=True):
+        fit = (1.0, 0.5, 9.0, np.array([0.6, 0.2, 0.2]), true, 4.0)
+        monkeypatch.setattr(noise, "_fitted", lambda *_, f=fit: f)
+        assert (noise._mixture(np.ones(3), np.ones(3)) is not None) is found
+    told = [noise._Fit(1.0, scale, 9.0, np.ones(3), true, tails).factor()
+            for scale, true, tails in itertools.product((0.5, 2.0), (0.0, 1.0, 20.0, 500.0), (4.0, 64.0))]  # fmt: skip
+    as_before("closing mixture", {"told": told})
