@@ -541,3 +541,13 @@ def test_a_recorded_drive_is_mapped_along_its_way_as_before(curvature: float) ->
         }
     found["straight"] = drive.straight(3.0, 0.05).astype(float)
     as_before(f"odometry along {curvature:g}", found)
+
+
+def test_of_few_places_all_are_held_against_a_view() -> None:
+    recognition = Recognition(RecognitionSettings(min_travel=1.0))
+    for k in range(12):
+        recognition.add(k, 0.5 * k, view(k))
+    near, likely = recognition._search(signature(view(3)), 40.0, np.arange(12))
+    moment = SimpleNamespace(panorama=view(3), travel=40.0, places=near, likely=likely, difference={3: 0.0})
+    assert sorted(recognition._older(moment)) == list(range(12))
+    assert recognition._older(moment)[3] == 0.0
