@@ -108,6 +108,7 @@ class OdometerConfig(Section):
     turn_noise_per_rad_deg: float = Field(
         0.0, ge=0, le=180, description="random turn error of turns [degree per sqrt rad]"
     )
+    declared: float = Field(1.0, ge=0, le=1e4, description="covariance that it declares, times the true one; 0: none")
     slip: float = Field(0.0, ge=0, le=1, description="share of blocked way that spinning wheels read as driven")
     slip_turn_deg: float = Field(0.0, ge=0, le=180, description="random turn read per step in contact [degree]")
     spread: float = Field(

@@ -70,7 +70,7 @@ class Odometer:
             forward=truth.distance_scale * rolled + sigma_forward * float(draws[0]),
             left=0.0,
             turn=truth.rotation_scale * turn + truth.curvature * rolled + sigma_turn * float(draws[1]) + twist,
-            covariance=_covariance(sigma_forward, sigma_turn),
+            covariance=config.declared * _covariance(sigma_forward, sigma_turn),
             dt=dt,
         )
 

@@ -94,7 +94,7 @@ def test_a_break_leaves_little_and_forgets_what_was_seen_before_it() -> None:
     assert math.exp(after.weights[0]) == pytest.approx(0.2, abs=1e-3)
     assert sum(probabilities(after)) == pytest.approx(1.0)
     assert after.seen.tolist() == [[0.0, 0.0, np.inf]]
-    assert np.isnan(after.behind).all()
+    assert after.behind.tolist() == [0.0]
 
 
 def test_a_look_that_is_bounded_counts_for_no_more_in_the_sum_but_is_kept_as_the_least() -> None:

@@ -31,6 +31,13 @@ def run(sim: dict[str, object], count: int, world: str = "room-corridor") -> lis
     return [(reading, robot.truth()) for _ in range(count) if (reading := robot.sense()) is not None]
 
 
+@pytest.mark.parametrize("times", [0.0, 0.111, 1.0, 9.0])
+def test_it_declares_what_it_is_told_to_and_reads_the_same(times: float) -> None:
+    own, told = (odometer(forward_noise=0.02, declared=one).read(0.1, 0.2, 0.25) for one in (1.0, times))
+    assert (told.forward, told.turn) == (own.forward, own.turn)
+    assert told.covariance == pytest.approx(times * own.covariance)
+
+
 @pytest.mark.parametrize(
     ("slip", "contact", "read"), [(0.0, True, 0.02), (1.0, True, 0.1), (0.5, True, 0.06), (1.0, False, 0.02)]
 )

@@ -21,8 +21,8 @@ SAME, SAME_TURN = 0.6, 0.6
 @dataclass(frozen=True, slots=True, eq=False)
 class Mixture:
     """n hypotheses: poses (n, 3), covariances (n, 3, 3) in the map frame, log weights (n,); seen (n, 3): over the last
-    stretch the sum of squared likenesses, how many looks, and the least one; behind (n,): what the stretch before spoke
-    against each [nats], NaN for nothing. elsewhere: log weight of all that isn't among them.
+    stretch the sum of squared likenesses, how many looks, and the least one; behind (n,): how far each was behind the
+    most alike one over a stretch, at most of late. elsewhere: log weight of all that isn't among them.
     """
 
     poses: FloatArray
@@ -48,7 +48,7 @@ class Mixture:
             covariance[None].copy(),
             np.log([1.0 - doubt]),
             unseen(1),
-            unheard(1),
+            np.zeros(1),
             float(np.log(doubt)),
         )
 
@@ -94,7 +94,7 @@ class Mixture:
             covariances=np.concatenate([self.covariances, np.broadcast_to(covariance, (len(poses), 3, 3))]),
             weights=np.concatenate([self.weights, weights]),
             seen=np.concatenate([self.seen, unseen(len(poses))]),
-            behind=np.concatenate([self.behind, unheard(len(poses))]),
+            behind=np.concatenate([self.behind, np.zeros(len(poses))]),
         )
 
     def looked(self, which: IntArray, squares: FloatArray, most: float = np.inf) -> Mixture:
@@ -118,7 +118,7 @@ class Mixture:
         rest = float(np.logaddexp(self.elsewhere + np.log1p(-doubt), np.log(doubt)))
         count = len(self)
         return replace(
-            self, weights=self.weights + np.log1p(-doubt), seen=unseen(count), behind=unheard(count), elsewhere=rest
+            self, weights=self.weights + np.log1p(-doubt), seen=unseen(count), behind=np.zeros(count), elsewhere=rest
         ).normalised()
 
     def normalised(self) -> Mixture:
@@ -165,11 +165,6 @@ class Mixture:
 def unseen(count: int) -> FloatArray:
     """Return the `seen` (count, 3) of hypotheses that had no look yet."""
     return np.tile([0.0, 0.0, np.inf], (count, 1))
-
-
-def unheard(count: int) -> FloatArray:
-    """Return the `behind` (count,) of hypotheses that no stretch spoke of."""
-    return np.full(count, np.nan)
 
 
 def _turned(headings: FloatArray) -> FloatArray:
