@@ -11,6 +11,7 @@ from pathlib import Path
 
 import coverage
 import pytest
+from numba.core import event
 
 FOLDERS = ("topomap", "logs")
 
@@ -24,13 +25,23 @@ class Cover:
     seconds: dict[str, float] = field(default_factory=dict)
     lines: dict[str, list[str]] = field(default_factory=dict)
 
-    def quickest(self, tests: set[str]) -> list[str]:
-        """Return tests in the order in which they are to be run."""
-        return sorted(tests, key=lambda test: (self.seconds[test], test))
-
     def running(self, file: str, lines: range) -> set[str]:
         """Return the tests that run one of some lines."""
         return {test for line in lines for test in self.lines.get(f"{file}:{line}", ())}
+
+
+class Compiling(event.Listener):
+    """Counts the CPU time [s] that numba spends on compiling: the first test of a kernel isn't slow for it."""
+
+    def __init__(self) -> None:
+        self.seconds, self._began = 0.0, list[float]()
+
+    def on_start(self, event: object) -> None:
+        self._began.append(time.process_time())
+
+    def on_end(self, event: object) -> None:
+        began = self._began.pop()
+        self.seconds += 0.0 if self._began else time.process_time() - began
 
 
 class Measuring:
@@ -42,29 +53,34 @@ class Measuring:
         self._fixtures: dict[str, set[str]] = {}
         self._taken: dict[str, float] = {}  # CPU time of shared fixtures [s]
         self._shared, self._current = 0.0, ""
+        self._compiling = Compiling()
+        event.register("numba:compile", self._compiling)
         self.cover = Cover()
+
+    def _now(self) -> float:
+        return time.process_time() - self._compiling.seconds
 
     def pytest_collection_finish(self) -> None:
         self._coverage.start()
 
     @pytest.hookimpl(hookwrapper=True)
     def pytest_runtest_protocol(self, item: pytest.Item) -> Generator[None, None, None]:
-        began, self._shared = time.process_time(), 0.0
+        began, self._shared = self._now(), 0.0
         self._fixtures[item.nodeid] = set()
         self._coverage.switch_context(item.nodeid)
         yield
-        self.cover.seconds[item.nodeid] = time.process_time() - began - self._shared
+        self.cover.seconds[item.nodeid] = self._now() - began - self._shared
 
     @pytest.hookimpl(hookwrapper=True)
     def pytest_fixture_setup(self, fixturedef, request) -> Generator[None, None, None]:
-        name, began, before = f"fixture {fixturedef.baseid} {fixturedef.argname}", time.process_time(), self._shared
+        name, began, before = f"fixture {fixturedef.baseid} {fixturedef.argname}", self._now(), self._shared
         if fixturedef.scope == "function":
             yield
             return
         self._coverage.switch_context(name)
         yield
         self._coverage.switch_context(self._current)
-        self._taken[name] = time.process_time() - began - (self._shared - before)
+        self._taken[name] = self._now() - began - (self._shared - before)
         self._shared += self._taken[name]
 
     def pytest_runtest_setup(self, item: pytest.Item) -> None:

@@ -15,6 +15,8 @@ from mutation.mutants import ROOT, Mutant
 COMPILED = ("topomap.vision.registry", "topomap.vision.image.seam", "sim2d.render.kernel")
 """Kernels that stay compiled where one of the map's is changed, which then all run as plain Python: numba's caches
 don't notice that a callee has changed."""
+COMPILED_HERE = "topomap/vision/"
+"""Where no kernel calls one of another file, so that a changed one is compiled anew and tests are as quick as ever."""
 
 
 def apply(mutant: Mutant, copied: Path) -> None:

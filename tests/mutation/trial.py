@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import importlib
 import os
 import signal
@@ -39,6 +40,8 @@ def load(root: Path, tests: tuple[str, ...]) -> None:
     with Path(os.devnull).open("w") as quiet, redirect_stdout(quiet):
         if pytest.main([*OPTIONS, "--collect-only", "-qq", *tests]) != 0:
             raise RuntimeError("the tests can't be collected")
+    gc.collect()
+    gc.freeze()  # pytest collects garbage five times a run, and a copy would have to look through all of this
 
 
 class Chosen:
@@ -51,6 +54,11 @@ class Chosen:
         self._order = {test: k for k, test in enumerate(order)}
         self._each_s = each_s
         self._began = time.process_time()
+        self.failed = ""
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        if report.failed:
+            self.failed = report.nodeid
 
     @pytest.hookimpl(trylast=True)
     def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
@@ -76,15 +84,24 @@ def _too_long(*_: object) -> None:
     pytest.skip("says nothing in the time")
 
 
-def noticed(tests: list[str], change: Callable[[], None], seconds: float, each_s: float | None = None) -> bool:
-    """Return whether one of some tests fails, or they never end, once a copy of this process has been changed."""
+def noticed(tests: list[str], change: Callable[[], None], seconds: float, each_s: float | None = None) -> str:
+    """Return which of some tests fails once a copy of this process has been changed, "" where none does.
+
+    Where they can't be run any more, or never end, a word for that.
+    """
+    told, tell = os.pipe()
 
     def work() -> int:
         change()
-        files = list(dict.fromkeys(test.split("::")[0] for test in tests))
-        return int(pytest.main([*OPTIONS, "-x", *files], plugins=[Chosen(tests, each_s)]))
+        files, chosen = list(dict.fromkeys(test.split("::")[0] for test in tests)), Chosen(tests, each_s)
+        code = int(pytest.main([*OPTIONS, "-x", *files], plugins=[chosen]))
+        os.write(tell, chosen.failed.encode())
+        return code
 
-    return forked(work, seconds) != 0
+    code = forked(work, seconds)
+    os.set_blocking(told, False)  # what a test has started may hold the other end
+    with os.fdopen(told, "rb", 0) as answer, os.fdopen(tell, "wb", 0):
+        return "" if code == 0 else (answer.read() or b"all").decode()
 
 
 def forked(work: Callable[[], int], seconds: float) -> int:

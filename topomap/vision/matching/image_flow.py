@@ -18,6 +18,8 @@ from topomap.vision.matching.ring_flow import FLOW, Flow, measured_flow
 
 P = TypeVar("P", Image, Float32Array)
 ROUNDS = 8
+FEWEST, SEAM = 5, 8
+"""Rows from which on there is a flow; columns taken from beyond the seam, so that a narrower view has none."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,7 +32,8 @@ class GreyView:
     @property
     def tells(self) -> bool:
         """Whether there is anything to see, in enough rows and columns for a flow."""
-        return bool(self.picture.std() >= 1e-3 and min(self.picture.shape) >= 5)
+        rows, columns = self.picture.shape
+        return bool(self.picture.std() >= 1e-3 and rows >= FEWEST and columns >= SEAM)
 
     def rolled(self, turn: float) -> GreyView:
         """Return the view rolled by the nearest column to an angle [rad], as `Panorama.rotated` rolls."""
@@ -90,7 +93,7 @@ def around_flow(goal: Image, current: Image) -> FloatArray:
     columns = goal.shape[1]
     coarse = measured_flow(_bands(current), _bands(goal), FLOW)[0] * (columns / TAU)
     start = np.zeros((*goal.shape, 2), np.float32)
-    start[:, :, 0] = cv2.medianBlur(_around(coarse[np.newaxis].astype(np.float32), 8), 5)[:, 8:-8]
+    start[:, :, 0] = cv2.medianBlur(_around(coarse[np.newaxis].astype(np.float32), SEAM), 5)[:, SEAM:-SEAM]
     pad = columns // 8
     wide = [_around(p, pad) for p in (goal, current)]
     flags = cv2.OPTFLOW_USE_INITIAL_FLOW
