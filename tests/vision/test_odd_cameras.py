@@ -51,7 +51,7 @@ CAMERAS: dict[str, tuple[Rig, Callable[[Panorama], Panorama]]] = {
 
 
 UNSURE = {"blank": {"ring flow"}}
-"""What the last digits decide: another processor's differ. Of the high camera, which sees no floor, some ways home are."""
+"""What the last digits decide, which another processor has otherwise; so some ways home of the high camera do."""
 
 
 def views(camera: str) -> list[Panorama]:
