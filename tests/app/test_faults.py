@@ -110,6 +110,23 @@ def test_a_fault_is_one_line_and_all_is_written(
     assert len(topomap.load_map(tmp_path / "run.topomap").nodes) > 1
 
 
+class Leaping(RoundRobot):
+    """A robot whose odometer counts a thousand kilometres a step from step 15 on."""
+
+    def sense(self) -> topomap.Reading | None:
+        reading = super().sense()
+        if reading is None or self._step < 15:
+            return reading
+        return dataclasses.replace(reading, quality=None, motion=dataclasses.replace(reading.motion, forward=1e6))
+
+
+def test_what_an_odometer_counts_however_much_is_written_and_read(tmp_path: Path) -> None:
+    topomap.drive(Leaping(40), out=tmp_path / "run")
+    for name in ("run.topomap", "summary.json", "report.html"):
+        assert (tmp_path / "run" / name).stat().st_size > 0
+    assert np.abs(topomap.load_run(tmp_path / "run" / "run.mcap").dead_reckoning).max() > 1e7
+
+
 def test_the_reading_at_fault_is_on_record_and_leads_a_replay_to_the_same_fault(tmp_path: Path) -> None:
     with pytest.raises(RobotFault) as caught:
         topomap.drive(Faulty(moved(forward=NAN)), tmp_path / "a")

@@ -52,6 +52,7 @@ def drive(readings: list[SimReading], *settings: str) -> tuple[Mapper, Kept]:
         (lambda r, before: replace(r, stamp_ns=before.stamp_ns), r"isn't later than the one before"),
         (lambda r, before: replace(r, stamp_ns=before.stamp_ns - 1), r"isn't later than the one before"),
         (lambda r, _: moved(r, forward=NAN), "holds NaN or infinite numbers"),
+        (lambda r, _: moved(r, forward=1e300), "at most 1e.07 can be"),
         (lambda r, _: moved(r, left=math.inf), "holds NaN or infinite numbers"),
         (lambda r, _: moved(r, turn=NAN), "holds NaN or infinite numbers"),
         (lambda r, _: moved(r, covariance=np.full((3, 3), NAN)), "holds NaN or infinite numbers"),

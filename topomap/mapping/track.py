@@ -13,6 +13,9 @@ from topomap.mapping.graph import Node, Snapshot, TopoMap
 from topomap.mapping.odometry.gap import GAP, Restated, restated
 from topomap.mapping.odometry.increments import Increments, advance, leading
 
+FARTHEST = 1e7
+"""[m], [rad] What an increment may count: a quarter of the Earth's circumference; sums of squares stay numbers."""
+
 
 class Track:
     """Integrates odometry beyond the map's last node and appends or inserts nodes.
@@ -104,7 +107,8 @@ class Track:
     def check(self, stamp_ns: int, reading: MotionReading) -> None:
         """Refuse what would only fail later, and elsewhere.
 
-        Raises DataError for a stamp that isn't later than the one before and for an increment that isn't numbers.
+        Raises DataError for a stamp that isn't later than the one before and for an increment that isn't numbers or
+        that no odometer counts.
         """
         last = self._last_stamp()
         if last is not None and stamp_ns <= last:
@@ -114,6 +118,9 @@ class Track:
         numbers = (reading.forward, reading.left, reading.turn, *reading.covariance.flat)
         if not np.isfinite(numbers).all():
             raise DataError(f"odometry at {stamp_ns} ns: an increment or its covariance holds NaN or infinite numbers")
+        most = max(numbers[:3], key=abs)
+        if abs(most) > FARTHEST:
+            raise DataError(f"odometry at {stamp_ns} ns: an increment of {most:.3g}, at most {FARTHEST:g} can be")
 
     def _last_stamp(self) -> int | None:
         if self._stamps:

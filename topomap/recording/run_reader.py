@@ -33,7 +33,7 @@ TOPICS = (
     topics.FINAL,
     topics.PERFORMANCE,
 )
-FARTHEST = 1e7  # [m] a quarter of the Earth's circumference; headings are far below
+FARTHEST = 1e13  # [m], [rad] what an odometer may count (`Track.check`) in a million steps
 BEFORE = (20, 10)  # steps before the first closure whose panoramas are shown
 
 
