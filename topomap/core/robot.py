@@ -58,7 +58,7 @@ class Reading(Protocol):
     ranges (W,) float32 [m] or None, entry j along bearing 2 pi j/W from the nose, counter-clockwise, NaN where
     nothing was measured; motion: the increment since the previous reading; contact: the bumper is pressed; driven:
     somebody else (a person, a script) has the wheels and commands are ignored. A stamp that isn't later than the one
-    before and an increment that isn't numbers end the run with a DataError.
+    before and an increment that isn't numbers, or beyond 1e7 m or rad, end the run with a DataError.
     """
 
     @property

@@ -47,20 +47,24 @@ class Leaps:
         self._driven.append(driven)
         self._speeds.append(driven / dt if dt > 0 else 0.0)
 
-    def judge(self, driven: float, dt: float, now: Panorama, previous: Panorama, change: float) -> bool:
-        """Return whether a step's way is a leap of the odometer; change: the usual one of the view."""
+    def judge(self, driven: float, dt: float, now: Panorama, previous: Panorama, usual_change: float) -> bool:
+        """Return whether a step's way is a leap of the odometer.
+
+        driven: the way [m] that it counts over dt [s]; now, previous: the views after and before it; usual_change: rms
+        by which a view usually changes over a step.
+        """
         self._behind.append((signature(previous), self._travel))
-        self.before, self._now = self._now, self._leapt(driven, dt, now, previous, change)
+        self.before, self._now = self._now, self._leapt(driven, dt, now, previous, usual_change)
         self._travel += self.usual if self._now else driven
         return self._now
 
-    def _leapt(self, driven: float, dt: float, now: Panorama, previous: Panorama, usual: float) -> bool:
+    def _leapt(self, driven: float, dt: float, now: Panorama, previous: Panorama, usual_change: float) -> bool:
         if len(self._driven) < FEWEST or driven < max(LEAP_LEAST, LEAP * max(self._driven)):
             return False
         if dt > 0 and driven / dt < LEAP * max(self._speeds):
             return False  # readings were left out
         change, _ = view_change(now, previous, seen_turn(now, previous))
-        return change < max(LEAP_CHANGE * usual, LEAST) and self._is_little(change, driven)
+        return change < max(LEAP_CHANGE * usual_change, LEAST) and self._is_little(change, driven)
 
     def _is_little(self, change: float, way: float) -> bool:
         """Return whether a change is little for such a way: where views change slowly, it says nothing of it."""

@@ -14,12 +14,12 @@ from topomap.core.records import Motion
 from topomap.core.robot import MotionReading
 from topomap.mapping.odometry.gap import Restated
 from topomap.mapping.odometry.increments import Calibration, advance
-from topomap.mapping.odometry.leaps import Leaps
+from topomap.mapping.odometry.leaps import FEWEST, Leaps
 from topomap.mapping.odometry.scan_watch import STEPS, ScanWatch, ranges_confirm
 from topomap.mapping.odometry.view_change import LEAST, seen_turn, structure_change, view_change
 
-MEMORY, FEWEST = 60, 10
-"""Steps over which the usual change is taken, and before which nothing is usual."""
+MEMORY = 60
+"""Steps over which the usual change is taken."""
 TIMES = 2.5
 """A change so many times the usual one is a break: undisturbed it is at most 1.8 times, carried on by a metre 3 or
 more in `hall`, where views change most slowly."""

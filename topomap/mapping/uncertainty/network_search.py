@@ -51,6 +51,7 @@ class Room(NamedTuple):
 
 @njit(cache=True)
 def room_of(nodes: int, queue: int) -> Room:
+    """Return room for searches among so many nodes (N), with a queue of more than that (Q)."""
     return Room(
         np.empty(nodes), np.empty(nodes), np.empty(nodes, np.int64), np.empty(nodes), np.empty((nodes, 3)),
         np.full(nodes, -1), np.empty((queue, 2)), np.empty(queue, np.int64),
