@@ -40,10 +40,21 @@ def by_stretch(mixture: Mixture, seen: Seen) -> Mixture:
     """Return the hypotheses weighed by how alike their places looked over the last stretch."""
     told, behind = _behind(mixture, LOOKS)
     said = LASTING * mixture.behind[told]
-    against = np.minimum(GROWTH * np.maximum(np.square(behind) - np.square(said), 0.0), HARDEST)
     most = mixture.behind.copy()
     most[told] = np.maximum(behind, said)
-    return replace(_weighed(mixture, seen, told, against), behind=most)
+    return replace(_weighed(mixture, seen, told, _spoken(behind, said)), behind=most)
+
+
+def against(squares: FloatArray, least: float) -> FloatArray:
+    """Return what a stretch of such mean squared likenesses (n,) says against places, of which the most alike has
+    `least` [nats].
+    """
+    return _spoken(np.maximum(squares - least, 0.0) / (APART + APART_SHARE * least), np.zeros(len(squares)))
+
+
+def _spoken(behind: FloatArray, said: FloatArray) -> FloatArray:
+    spoken: FloatArray = np.minimum(GROWTH * np.maximum(np.square(behind) - np.square(said), 0.0), HARDEST)
+    return spoken
 
 
 def by_first_view(mixture: Mixture, seen: Seen) -> Mixture:

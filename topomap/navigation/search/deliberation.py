@@ -1,0 +1,108 @@
+"""Which way parts a lost robot's places soonest: stops are looked at from near to far until that is settled."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from topomap.core.arrays import BoolArray, FloatArray
+from topomap.navigation.search.parting import Parting
+from topomap.navigation.search.stops import FAR, Stops
+
+PARTED = 3.5
+"""[nats] What has to speak against a rival for it to be parted from: 33 to 1."""
+CONFIRMED = 1.75
+"""[nats] ... and what the next stop has to say, which is passed within the same two stretches."""
+WORTH = 2.0
+"""[m] By how much sooner the places must part for the robot to leave the way it looks: turning costs time, and the two
+are told to a metre."""
+AHEAD, BEHIND = math.radians(60.0), math.radians(120.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """The way to drive: its nodes, none where the robot goes on as it looks; and why, in plain words."""
+
+    path: tuple[int, ...]
+    why: str
+
+
+class Deliberation:
+    """Weighs the ways from the likeliest place by how far it is, on average over the rivals, to where they part."""
+
+    def __init__(self, ways: Stops, weights: FloatArray, parting: Parting, seen: BoolArray) -> None:
+        """weights (R,): of the rivals; seen: at which of the stops the robot has been, where nothing new is to be had."""
+        self._ways, self._parting, self._seen = ways, parting, seen
+        self._weights = weights / weights.sum()
+        self._parted = np.full((len(ways.bearings), len(weights)), np.inf)
+        self._last = np.full(len(ways.bearings), -1)
+        self._claimed = np.full((len(ways.bearings), len(weights)), -1)
+        self._next = 0
+
+    def step(self, count: int) -> Choice | None:
+        """Look at `count` more stops at most; return the choice once it is settled."""
+        stops = self._ways.stops
+        for k in range(self._next, min(self._next + count, len(stops))):
+            self._look(k)
+        self._next = min(self._next + count, len(stops))
+        return self._settled()
+
+    def _look(self, k: int) -> None:
+        """Part from rivals at a stop if it speaks against them, and so does the next one on that way, if there is one:
+        a single view may have been taken too far beside the others.
+        """
+        stop = self._ways.stops[k]
+        open_ = ~np.isfinite(self._parted[stop.direction])
+        if self._seen[k] or not open_.any():
+            return
+        said, claimed = self._parting.against(stop.node), self._claimed[stop.direction]
+        last = all(other.direction != stop.direction for other in self._ways.stops[k + 1 :])
+        claimed[:] = np.where((claimed >= 0) & (said >= CONFIRMED), claimed, np.where(said >= PARTED, k, -1))
+        for rival in np.flatnonzero(open_ & (claimed >= 0) & ((claimed < k) | last)):
+            self._parted[stop.direction, rival] = self._ways.stops[claimed[rival]].way
+            self._last[stop.direction] = k
+
+    def _settled(self) -> Choice | None:
+        """Return the choice, where no stop to come can change it."""
+        if not len(self._ways.bearings):
+            return Choice((), "goes on: the map has no way from its likeliest place")
+        stops = self._ways.stops
+        over = self._next == len(stops)
+        reached = FAR if over else stops[self._next].way
+        coming = np.isin(np.arange(len(self._parted)), [stop.direction for stop in stops[self._next :]])
+        exact = np.isfinite(self._parted).all(axis=1) | ~coming
+        least = np.where(np.isfinite(self._parted), self._parted, np.where(exact, FAR, reached)[:, None]) @ self._weights
+        ahead = int(np.argmin(np.abs(self._ways.bearings)))
+        best = int(np.argmin(np.where(exact, least, np.inf)))
+        others = np.delete(least, ahead)
+        if exact[ahead] and (others.min(initial=np.inf) >= least[ahead] - WORTH):
+            return self._choice(ahead, ahead, least, exact)
+        if exact[best] and best != ahead and least[ahead] > least[best] + WORTH and least.min() >= least[best]:
+            return self._choice(best, ahead, least, exact)
+        return self._choice(best if least[ahead] > least[best] + WORTH else ahead, ahead, least, exact) if over else None
+
+    def _choice(self, chosen: int, ahead: int, least: FloatArray, exact: BoolArray) -> Choice:
+        count = 1 + len(self._weights)
+        if least[chosen] >= FAR - 1e-9:
+            return Choice((), f"goes on: its {count} places part nowhere within {FAR:.0f} m")
+        told = [f"after {least[chosen]:.0f} m {self._word(chosen)}"]
+        told += [
+            f"{'' if exact[k] else 'not before '}{least[k]:.0f} m {self._word(k)}"
+            if least[k] < FAR - 1e-9
+            else f"nowhere {self._word(k)}"
+            for k in range(len(least))
+            if k != chosen
+        ]
+        why = f"its {count} places part {', '.join(told)}"
+        if chosen == ahead:
+            return Choice((), f"goes on: {why}")
+        turn = "turns round" if abs(self._ways.bearings[chosen]) > BEHIND else f"turns {self._word(chosen)}"
+        return Choice(self._ways.stops[self._last[chosen]].path, f"{turn}: {why}")
+
+    def _word(self, direction: int) -> str:
+        bearing = float(self._ways.bearings[direction])
+        if abs(bearing) < AHEAD:
+            return "ahead"
+        return "behind" if abs(bearing) > BEHIND else "to the left" if bearing > 0 else "to the right"
