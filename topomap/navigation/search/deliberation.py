@@ -18,6 +18,9 @@ CONFIRMED = 1.75
 WORTH = 2.0
 """[m] By how much sooner the places must part for the robot to leave the way it looks: turning costs time, and the two
 are told to a metre."""
+SETTLED = 0.8
+"""Share of the rivals' weight that must have parted for a way to count as having told: what is left is unlikely, or
+parts on the next way that is chosen."""
 AHEAD, BEHIND = math.radians(60.0), math.radians(120.0)
 
 
@@ -30,7 +33,7 @@ class Choice:
 
 
 class Deliberation:
-    """Weighs the ways from the likeliest place by how far it is, on average over the rivals, to where they part."""
+    """Weighs the ways from the likeliest place by how far it is to where most of its rivals have parted."""
 
     def __init__(self, ways: Stops, weights: FloatArray, parting: Parting, seen: BoolArray) -> None:
         """weights (R,): of the rivals; seen: at which of the stops the robot has been, where nothing new is to be had."""
@@ -72,8 +75,9 @@ class Deliberation:
         over = self._next == len(stops)
         reached = FAR if over else stops[self._next].way
         coming = np.isin(np.arange(len(self._parted)), [stop.direction for stop in stops[self._next :]])
-        exact = np.isfinite(self._parted).all(axis=1) | ~coming
-        least = np.where(np.isfinite(self._parted), self._parted, np.where(exact, FAR, reached)[:, None]) @ self._weights
+        told = np.isfinite(self._parted)
+        exact = (told @ self._weights >= SETTLED) | ~coming
+        least = np.array([self._settles(row, FAR if done else reached) for row, done in zip(self._parted, exact, strict=True)])
         ahead = int(np.argmin(np.abs(self._ways.bearings)))
         best = int(np.argmin(np.where(exact, least, np.inf)))
         others = np.delete(least, ahead)
@@ -82,6 +86,13 @@ class Deliberation:
         if exact[best] and best != ahead and least[ahead] > least[best] + WORTH and least.min() >= least[best]:
             return self._choice(best, ahead, least, exact)
         return self._choice(best if least[ahead] > least[best] + WORTH else ahead, ahead, least, exact) if over else None
+
+    def _settles(self, parted: FloatArray, others: float) -> float:
+        """Return the way [m] after which enough rivals have parted; others: the way of those not parted from yet."""
+        ways = np.where(np.isfinite(parted), parted, others)
+        order = np.argsort(ways, kind="stable")
+        enough = np.cumsum(self._weights[order]) >= SETTLED
+        return float(ways[order[np.argmax(enough)]])
 
     def _choice(self, chosen: int, ahead: int, least: FloatArray, exact: BoolArray) -> Choice:
         count = 1 + len(self._weights)

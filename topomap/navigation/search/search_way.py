@@ -14,11 +14,11 @@ from topomap.navigation.search.deliberation import Deliberation
 from topomap.navigation.search.parting import Parting
 from topomap.navigation.search.stops import stops_from
 
-LED, KNOWN = 0.15, 0.5
+LED, KNOWN = 0.15, 0.35
 """Weight of the likeliest place, and of all that are told together, from which on a way is chosen: where the robot may
 be anywhere, no way is better."""
-RIVAL = 0.05
-"""Weight of a rival that counts, over that of the likeliest place."""
+RIVAL, OPEN = 0.1, 0.01
+"""Weight of a rival that counts, over that of the likeliest one; and of all that count, below which nothing is open."""
 STOPS = 3
 """Stops looked at in a step: 25 ms each, so that a choice takes up to 20 steps and no step much longer."""
 AGAIN = 4.0
@@ -67,7 +67,7 @@ class SearchWay:
     def _is_news(self, where: Where, mapper: Mapper) -> bool:
         """Return whether a place counts now that wasn't among those that the last choice weighed."""
         now = compose(self._weighed, between(self._raw.array(), mapper.track.raw.array()))
-        places = np.array([[h.pose.x, h.pose.y] for h in _weighty(where)] + [[where.pose.x, where.pose.y]])
+        places = np.array([[h.pose.x, h.pose.y] for h in (*_weighty(where), where)])
         away = np.hypot(*(places[:, None] - now[None, :, :2]).transpose(2, 0, 1))
         return bool((away.min(axis=1) > ELSEWHERE).any())
 
@@ -119,4 +119,6 @@ class SearchWay:
 
 def _weighty(where: Where) -> list[Hypothesis]:
     """Return the rivals that count."""
-    return [rival for rival in where.rivals if rival.weight >= RIVAL * (1.0 - where.lost)]
+    most = max((rival.weight for rival in where.rivals), default=0.0)
+    found = [rival for rival in where.rivals if rival.weight >= RIVAL * most]
+    return found if sum(rival.weight for rival in found) >= OPEN else []
