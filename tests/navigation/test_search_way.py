@@ -155,6 +155,14 @@ def between_two(x: float = 8.0, other: float = 14.0) -> Where:
     return Where(Pose2(x, 0.0, 0.0), 16, 0.1, 0.5, (rival,))
 
 
+def begun() -> SearchWay:
+    """A search that has driven its first stretch."""
+    way, mapper = SearchWay(), a_mapper(straight())
+    mapper.track.travel -= 1.0
+    assert way.step(between_two(), mapper) == (None, "")
+    return way
+
+
 def drive(way: SearchWay, mapper: Mapper, where: Where, steps: int, speed: float = 0.0) -> tuple[float | None, str]:
     """Let it choose for so many steps, moving on by `speed` [m] a step; return the last bearing and all that was said."""
     said, bearing = [], None
@@ -174,7 +182,7 @@ def parting_behind(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.usefixtures("parting_behind")
 def test_it_heads_along_the_chosen_way_by_odometry_until_its_end() -> None:
-    way, mapper = SearchWay(), a_mapper(straight())
+    way, mapper = begun(), a_mapper(straight())
     bearing, said = drive(way, mapper, between_two(), 12)
     assert said.count("turns round") == 1
     assert bearing is not None
@@ -190,14 +198,14 @@ def test_it_heads_along_the_chosen_way_by_odometry_until_its_end() -> None:
 
 @pytest.mark.usefixtures("parting_behind")
 def test_it_leaves_a_way_that_it_doesnt_get_on_with() -> None:
-    way, mapper = SearchWay(), a_mapper(straight())
+    way, mapper = begun(), a_mapper(straight())
     assert drive(way, mapper, between_two(), 12)[0] is not None
     assert drive(way, mapper, between_two(), STUCK + 1)[0] is None
 
 
 @pytest.mark.usefixtures("parting_behind")
 def test_it_chooses_rarely_and_anew_where_another_place_counts() -> None:
-    way, mapper = SearchWay(), a_mapper(straight())
+    way, mapper = begun(), a_mapper(straight())
     drive(way, mapper, between_two(), 12)
     still = Where(Pose2(8.0 + 1.5, 0.0, 0.0), 16, 0.1, 0.5, (Hypothesis(31, Pose2(15.5, 0.0, 0.0), 0.4),))
     mapper.track.raw, mapper.track.travel = mapper.track.raw @ Pose2(1.5, 0.0, 0.0), 101.5
@@ -209,7 +217,12 @@ def test_it_chooses_rarely_and_anew_where_another_place_counts() -> None:
 
 @pytest.mark.usefixtures("parting_behind")
 def test_who_may_be_anywhere_or_has_no_rival_chooses_nothing() -> None:
-    way, mapper = SearchWay(), a_mapper(straight())
+    way, mapper = begun(), a_mapper(straight())
     anywhere = Where(Pose2(8.0, 0.0, 0.0), 16, 0.1, 0.8, (Hypothesis(28, Pose2(14.0, 0.0, 0.0), 0.1),))
     assert drive(way, mapper, anywhere, 12) == (None, "")
     assert drive(way, mapper, Where(Pose2(8.0, 0.0, 0.0), 16, 0.1, 0.4), 12) == (None, "")
+
+
+@pytest.mark.usefixtures("parting_behind")
+def test_before_its_first_stretch_it_chooses_nothing() -> None:
+    assert drive(SearchWay(), a_mapper(straight()), between_two(), 12) == (None, "")

@@ -108,7 +108,7 @@ class Belief:
             self._since_weighed = 0.0
             self.stretches += not fresh
             weighed = by_first_view(self.mixture, seen) if fresh else by_stretch(self.mixture, seen)
-            self.mixture = with_places(weighed, seen, mapper.map.poses[nodes]).pruned()
+            self.mixture = with_places(weighed, seen, mapper.map.poses[nodes], fresh and count >= SEARCHED).pruned()
         self._fix(panorama, mapper, nodes)
 
     @property

@@ -21,6 +21,8 @@ RIVAL, OPEN = 0.1, 0.01
 """Weight of a rival that counts, over that of the likeliest one; and of all that count, below which nothing is open."""
 STOPS = 3
 """Stops looked at in a step: 25 ms each, so that a choice takes up to 20 steps and no step much longer."""
+BEFORE = 1.0
+"""[m] Way of a search before the first choice: a stretch, before which one view speaks."""
 AGAIN = 4.0
 """[m] Way after which it is chosen anew, or ..."""
 SOONER, ELSEWHERE = 1.0, 2.0
@@ -43,7 +45,7 @@ class SearchWay:
         """Forget a search that has ended."""
         self._deliberation: Deliberation | None = None
         self._raw, self._here, self._weighed = Pose2(), Pose2(), np.zeros((0, 3))
-        self._chosen_at = -math.inf
+        self._began_at, self._chosen_at = math.inf, -math.inf
         self._points: FloatArray | None = None
         self._trail = list[tuple[float, float]]()
         self._stood, self._moved_at = 0, 0.0
@@ -51,6 +53,7 @@ class SearchWay:
     def step(self, where: Where, mapper: Mapper) -> tuple[float | None, str]:
         """Return the bearing [rad] of the chosen way, None where the robot goes as it looks, and what was decided."""
         raw = mapper.track.raw
+        self._began_at = min(self._began_at, mapper.track.travel)
         if not self._trail or math.dist(self._trail[-1], (raw.x, raw.y)) > TRAIL / 2:
             self._trail.append((raw.x, raw.y))
         if self._deliberation is None and self._is_due(where, mapper):
@@ -59,7 +62,7 @@ class SearchWay:
 
     def _is_due(self, where: Where, mapper: Mapper) -> bool:
         told = 1.0 - where.lost
-        if told < LED or told + sum(rival.weight for rival in where.rivals) < KNOWN:
+        if mapper.track.travel - self._began_at < BEFORE or told < LED or told + sum(rival.weight for rival in where.rivals) < KNOWN:
             return False
         since = mapper.track.travel - self._chosen_at
         return since >= AGAIN or (since >= SOONER and self._is_news(where, mapper))
