@@ -138,9 +138,9 @@ def test_where_it_has_been_it_expects_nothing_new() -> None:
 
 
 def test_without_a_map_around_it_goes_on() -> None:
-    assert Deliberation(Stops((), np.zeros(0)), np.ones(1), cast(Parting, Told(lambda _: [0.0])), np.zeros(0, bool)).step(
-        3
-    ) == Choice((), "goes on: the map has no way from its likeliest place")
+    assert Deliberation(
+        Stops((), np.zeros(0)), np.ones(1), cast(Parting, Told(lambda _: [0.0])), np.zeros(0, bool)
+    ).step(3) == Choice((), "goes on: the map has no way from its likeliest place")
 
 
 def a_mapper(topo: TopoMap) -> Mapper:
@@ -158,13 +158,13 @@ def between_two(x: float = 8.0, other: float = 14.0) -> Where:
 def begun() -> SearchWay:
     """A search that has driven its first stretch."""
     way, mapper = SearchWay(), a_mapper(straight())
-    mapper.track.travel -= 1.0
+    mapper.track.travel -= 1.5
     assert way.step(between_two(), mapper) == (None, "")
     return way
 
 
 def drive(way: SearchWay, mapper: Mapper, where: Where, steps: int, speed: float = 0.0) -> tuple[float | None, str]:
-    """Let it choose for so many steps, moving on by `speed` [m] a step; return the last bearing and all that was said."""
+    """Let it choose for so many steps of `speed` [m]; return the last bearing and all that was said."""
     said, bearing = [], None
     for _ in range(steps):
         bearing, why = way.step(where, mapper)

@@ -11,8 +11,8 @@ import pytest
 from topomap.core.arrays import Image
 from topomap.core.panorama import Panorama
 from topomap.core.rig import Rig
-from topomap.mapping.mapper import Mapper
 from topomap.mapping.graph import TopoMap
+from topomap.mapping.mapper import Mapper
 from topomap.navigation.localiser.belief import Belief
 from topomap.navigation.localiser.mixture import Mixture
 from topomap.navigation.localiser.tint import unlike

@@ -166,9 +166,7 @@ class Belief:
         rows = which[told, best]
         return told, nearby.places[told, best], Found(found.likeness[rows], found.rotations[rows], found.points[rows])
 
-    def _tints(
-        self, panorama: Panorama, mapper: Mapper, told: IntArray, nodes: IntArray, found: Found
-    ) -> FloatArray:
+    def _tints(self, panorama: Panorama, mapper: Mapper, told: IntArray, nodes: IntArray, found: Found) -> FloatArray:
         """Return how unlike in colour (k,) hypotheses (k,) are to their places' nodes (k,); the unlikely ones pass for
         as alike as any.
         """

@@ -31,8 +31,8 @@ little between two places alike hangs together from stretch to stretch (by 0.85 
 FIRST = 3.0
 """What the first view can say [nats]: 0.3 m aside in `office-loop`, a wrong place looks more like it in 2 of 5."""
 OFF = 0.1
-"""Probability that a robot that was carried stands off the map, or where nothing looks as it did: over 78 searches in six
-worlds the right place was always among those most alike."""
+"""Probability that a robot that was carried stands off the map, or where nothing looks as it did: over 78 searches in
+six worlds the right place was always among those most alike."""
 ESCAPE = 1e-3
 """Probability to be carried away unnoticed within a stretch: once in 800 m."""
 BORN = np.diag(np.square([0.35, 0.35, math.radians(8.0)]))

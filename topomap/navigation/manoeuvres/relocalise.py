@@ -76,9 +76,7 @@ class Relocalise:
         self._forward = command.forward > 0
         return command, Travel(Phase.TRAVEL, note=note)
 
-    def _drive(
-        self, panorama: Panorama, contact: bool, where: Where, mapper: Mapper, towards: float | None
-    ) -> Command:
+    def _drive(self, panorama: Panorama, contact: bool, where: Where, mapper: Mapper, towards: float | None) -> Command:
         """Return the command; towards: the bearing [rad] of the way that was chosen, None: as it looks."""
         track = mapper.track
         back = self._back_off.step(contact, track.raw, track.travel, self._forward)

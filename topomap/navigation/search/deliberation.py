@@ -36,7 +36,7 @@ class Deliberation:
     """Weighs the ways from the likeliest place by how far it is to where most of its rivals have parted."""
 
     def __init__(self, ways: Stops, weights: FloatArray, parting: Parting, seen: BoolArray) -> None:
-        """weights (R,): of the rivals; seen: at which of the stops the robot has been, where nothing new is to be had."""
+        """weights (R,): of the rivals; seen: at which of the stops the robot has been, where there is nothing new."""
         self._ways, self._parting, self._seen = ways, parting, seen
         self._weights = weights / weights.sum()
         self._parted = np.full((len(ways.bearings), len(weights)), np.inf)
@@ -72,20 +72,18 @@ class Deliberation:
         if not len(self._ways.bearings):
             return Choice((), "goes on: the map has no way from its likeliest place")
         stops = self._ways.stops
-        over = self._next == len(stops)
-        reached = FAR if over else stops[self._next].way
+        reached = stops[self._next].way if self._next < len(stops) else FAR
         coming = np.isin(np.arange(len(self._parted)), [stop.direction for stop in stops[self._next :]])
-        told = np.isfinite(self._parted)
-        exact = (told @ self._weights >= SETTLED) | ~coming
-        least = np.array([self._settles(row, FAR if done else reached) for row, done in zip(self._parted, exact, strict=True)])
-        ahead = int(np.argmin(np.abs(self._ways.bearings)))
-        best = int(np.argmin(np.where(exact, least, np.inf)))
-        others = np.delete(least, ahead)
-        if exact[ahead] and (others.min(initial=np.inf) >= least[ahead] - WORTH):
-            return self._choice(ahead, ahead, least, exact)
-        if exact[best] and best != ahead and least[ahead] > least[best] + WORTH and least.min() >= least[best]:
-            return self._choice(best, ahead, least, exact)
-        return self._choice(best if least[ahead] > least[best] + WORTH else ahead, ahead, least, exact) if over else None
+        exact = (np.isfinite(self._parted) @ self._weights >= SETTLED) | ~coming
+        least = np.array(
+            [self._settles(row, FAR if known else reached) for row, known in zip(self._parted, exact, strict=True)]
+        )
+        ahead, best = int(np.argmin(np.abs(self._ways.bearings))), int(np.argmin(least))
+        chosen = best if least[ahead] > least[best] + WORTH else ahead
+        # what isn't exact yet can only become more
+        if not exact[chosen] or (chosen != ahead and not exact[best]):
+            return None
+        return self._choice(chosen, ahead, least, exact)
 
     def _settles(self, parted: FloatArray, others: float) -> float:
         """Return the way [m] after which enough rivals have parted; others: the way of those not parted from yet."""
@@ -96,21 +94,21 @@ class Deliberation:
 
     def _choice(self, chosen: int, ahead: int, least: FloatArray, exact: BoolArray) -> Choice:
         count = 1 + len(self._weights)
-        if least[chosen] >= FAR - 1e-9:
+        if least[chosen] >= FAR:
             return Choice((), f"goes on: its {count} places part nowhere within {FAR:.0f} m")
-        told = [f"after {least[chosen]:.0f} m {self._word(chosen)}"]
-        told += [
-            f"{'' if exact[k] else 'not before '}{least[k]:.0f} m {self._word(k)}"
-            if least[k] < FAR - 1e-9
-            else f"nowhere {self._word(k)}"
-            for k in range(len(least))
-            if k != chosen
-        ]
-        why = f"its {count} places part {', '.join(told)}"
+        others = [self._told(k, least[k], exact[k]) for k in range(len(least)) if k != chosen]
+        why = f"its {count} places part {', '.join([f'after {least[chosen]:.0f} m {self._word(chosen)}', *others])}"
         if chosen == ahead:
             return Choice((), f"goes on: {why}")
-        turn = "turns round" if abs(self._ways.bearings[chosen]) > BEHIND else f"turns {self._word(chosen)}"
+        word = self._word(chosen)
+        turn = "turns round" if word == "behind" else f"turns {word}"
         return Choice(self._ways.stops[self._last[chosen]].path, f"{turn}: {why}")
+
+    def _told(self, direction: int, way: float, exact: bool) -> str:
+        """Return what is known of a way that wasn't chosen."""
+        if way >= FAR:
+            return f"nowhere {self._word(direction)}"
+        return f"{'' if exact else 'not before '}{way:.0f} m {self._word(direction)}"
 
     def _word(self, direction: int) -> str:
         bearing = float(self._ways.bearings[direction])

@@ -21,12 +21,13 @@ RIVAL, OPEN = 0.1, 0.01
 """Weight of a rival that counts, over that of the likeliest one; and of all that count, below which nothing is open."""
 STOPS = 3
 """Stops looked at in a step: 25 ms each, so that a choice takes up to 20 steps and no step much longer."""
-BEFORE = 1.0
-"""[m] Way of a search before the first choice: a stretch, before which one view speaks."""
+BEFORE = 1.3
+"""[m] Way of a search before the first choice: a stretch and a look, before which one view alone has spoken."""
 AGAIN = 4.0
 """[m] Way after which it is chosen anew, or ..."""
 SOONER, ELSEWHERE = 1.0, 2.0
-"""[m] ... after this way, where a place counts that lies so far from where those weighed would be by now."""
+"""[m] ... after this way, where another place leads, or one counts that lies so far from where those weighed would be
+by now."""
 AIM, OFF = 1.0, 1.5
 """[m] The robot heads for the way's next point so far off; farther beside the way it has left it."""
 STUCK = 60
@@ -44,7 +45,7 @@ class SearchWay:
     def reset(self) -> None:
         """Forget a search that has ended."""
         self._deliberation: Deliberation | None = None
-        self._raw, self._here, self._weighed = Pose2(), Pose2(), np.zeros((0, 3))
+        self._raw, self._here, self._weighed = Pose2(), Pose2(), np.zeros((1, 3))
         self._began_at, self._chosen_at = math.inf, -math.inf
         self._points: FloatArray | None = None
         self._trail = list[tuple[float, float]]()
@@ -61,16 +62,19 @@ class SearchWay:
         return self._bearing(mapper), self._decide(mapper)
 
     def _is_due(self, where: Where, mapper: Mapper) -> bool:
-        told = 1.0 - where.lost
-        if mapper.track.travel - self._began_at < BEFORE or told < LED or told + sum(rival.weight for rival in where.rivals) < KNOWN:
+        led = 1.0 - where.lost
+        known = led + sum(rival.weight for rival in where.rivals)
+        if mapper.track.travel - self._began_at < BEFORE or led < LED or known < KNOWN:
             return False
         since = mapper.track.travel - self._chosen_at
         return since >= AGAIN or (since >= SOONER and self._is_news(where, mapper))
 
     def _is_news(self, where: Where, mapper: Mapper) -> bool:
-        """Return whether a place counts now that wasn't among those that the last choice weighed."""
+        """Return whether another place leads than in the last choice, or one counts that it didn't weigh."""
         now = compose(self._weighed, between(self._raw.array(), mapper.track.raw.array()))
-        places = np.array([[h.pose.x, h.pose.y] for h in (*_weighty(where), where)])
+        if math.dist(now[0, :2], (where.pose.x, where.pose.y)) > ELSEWHERE:
+            return True
+        places = np.array([[rival.pose.x, rival.pose.y] for rival in _weighty(where)]).reshape(-1, 2)
         away = np.hypot(*(places[:, None] - now[None, :, :2]).transpose(2, 0, 1))
         return bool((away.min(axis=1) > ELSEWHERE).any())
 
