@@ -16,6 +16,9 @@ FINER = 2
 """Columns and rows of the picture that is displaced, to one of the small view."""
 DARK = 30.0
 """Grey levels, of three channels together, below which a colour is more noise than colour."""
+EXACT = 0.05
+"""Difference up to which places are of one colour: as seen from the point that was found, a place differs by 0.001 to
+0.03 from its own view (0.1 to 0.5 without, up to 0.35 m off), by 0.2 and more from one with another door."""
 FAINT = 0.02
 """Variation of colour shares that says nothing: what white balance, light from another side and JPEG leave."""
 
@@ -24,8 +27,7 @@ def unlike(view: Panorama, place: Panorama, rotation: float, point: tuple[float,
     """Return how unlike in colour a view and a place's are: 0 for the same, 2 for unrelated ones.
 
     rotation [rad]: the view's heading minus the place's; point [m]: where the place is, ahead and to the left. 0 where
-    one of them has no colour, or is of another size. As seen from the point itself, places differ by 0.001 to 0.03 from
-    their own view (0.1 to 0.5 without, up to 0.35 m off), by 0.2 and more from one with another door.
+    one of them has no colour, or is of another size.
     """
     here, there = tint(view, point), tint(place)
     if here.shape != there.shape or not here.any() or not there.any():
@@ -33,7 +35,7 @@ def unlike(view: Panorama, place: Panorama, rotation: float, point: tuple[float,
     columns = round(rotation * there.shape[1] / TAU)
     apart = float(np.square(here - np.roll(there, -columns, axis=1)).mean())
     varied = float(np.square(here).mean() + np.square(there).mean())
-    return 2.0 * apart / (varied + FAINT**2)
+    return max(0.0, 2.0 * apart / (varied + FAINT**2) - EXACT)
 
 
 def tint(panorama: Panorama, point: tuple[float, float] = (0.0, 0.0)) -> Float32Array:
@@ -57,7 +59,7 @@ def _small(whole: Panorama) -> Panorama:
     """Return a view of few pixels, with how far away what each column shows stands in place of its ranges."""
     rig = whole.rig
     columns, rows = min(FINER * PLACE.columns, rig.width), min(FINER * PLACE.rows, rig.height)
-    image = cv2.resize(whole.image, (columns, rows), interpolation=cv2.INTER_AREA)
+    image = np.asarray(cv2.resize(whole.image, (columns, rows), interpolation=cv2.INTER_AREA), np.uint8)
     bearings = np.arange(columns) * (rig.width / columns)
     far = np.interp(bearings, np.arange(rig.width), distances_or_middling(whole), period=rig.width)
     scale = rows / rig.height

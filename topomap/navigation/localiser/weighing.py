@@ -30,9 +30,9 @@ little between two places alike hangs together from stretch to stretch (by 0.85 
 `office-loop`): it is how far aside the robot drives and in what light."""
 FIRST = 3.0
 """What the first view can say [nats]: 0.3 m aside in `office-loop`, a wrong place looks more like it in 2 of 5."""
-OFF = 0.1
-"""Probability that a robot that was carried stands off the map, or where nothing looks as it did: over 78 searches in
-six worlds the right place was always among those most alike."""
+OFF = 0.5
+"""Probability that a robot that was carried isn't at one of the places most like its first view: where that is wrong in
+2 of 5, it may as well be off the map."""
 ESCAPE = 1e-3
 """Probability to be carried away unnoticed within a stretch: once in 800 m."""
 BORN = np.diag(np.square([0.35, 0.35, math.radians(8.0)]))
