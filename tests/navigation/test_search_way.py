@@ -22,7 +22,7 @@ from topomap.navigation.search.parting import Parting
 from topomap.navigation.search.search_way import AGAIN, STOPS, STUCK, SearchWay
 from topomap.navigation.search.stops import MOST, SPACING, Stops, stops_from
 
-CLEARLY, HALF, NOTHING = 5.0, 2.0, 0.0
+CLEARLY, HALF, NOTHING = 3.0, 2.0, 0.0
 
 
 def route(turns: dict[int, float], nodes: int) -> TopoMap:

@@ -11,9 +11,9 @@ from topomap.core.arrays import BoolArray, FloatArray
 from topomap.navigation.search.parting import Parting
 from topomap.navigation.search.stops import FAR, Stops
 
-PARTED = 3.5
-"""[nats] What has to speak against a rival for it to be parted from: 33 to 1."""
-CONFIRMED = 1.75
+PARTED = 2.5
+"""[nats] What has to speak against a rival for it to be parted from: 12 to 1."""
+CONFIRMED = 1.25
 """[nats] ... and what the next stop has to say, which is passed within the same two stretches."""
 WORTH = 2.0
 """[m] By how much sooner the places must part for the robot to leave the way it looks: turning costs time, and the two
