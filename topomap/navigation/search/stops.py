@@ -72,7 +72,8 @@ def stops_from(topo: TopoMap, snapshots: IntArray, here: Pose2) -> Stops:
 def _ways(topo: TopoMap, snapshots: IntArray, here: Pose2) -> tuple[FloatArray, IntArray]:
     """Return the way (N,) [m] to each node along the map, infinite beyond FAR, and the node before it (N,)."""
     known = np.zeros(len(topo.nodes), bool)
-    known[topo.chain[: max(topo.chain.index(int(node)) for node in (snapshots[0], snapshots[-1])) + 1]] = True
+    place = {node: k for k, node in enumerate(topo.chain)}
+    known[topo.chain[: max(place[node] for node in snapshots.tolist()) + 1]] = True
     edges = edges_of(topo)
     there, back = costs(topo, edges, (), 0)
     both = known[edges].all(axis=1)
