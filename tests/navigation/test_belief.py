@@ -18,10 +18,10 @@ from topomap.mapping.mapper import Mapper
 from topomap.navigation.localiser.belief import Belief
 from topomap.navigation.localiser.fix import MEASURED_FLOOR, fix
 from topomap.navigation.localiser.likeness import log_ratio
-from topomap.navigation.localiser.localiser import Localiser
+from topomap.navigation.localiser.localiser import SURE, Localiser
 from topomap.navigation.localiser.mixture import Mixture
 from topomap.navigation.localiser.views import Seen, Usual
-from topomap.navigation.localiser.weighing import by_first_view, by_stretch, with_places
+from topomap.navigation.localiser.weighing import FIRST, OFF, by_first_view, by_stretch, with_places
 from topomap.vision.matching.scan_match import ScanMatch
 
 
@@ -92,11 +92,15 @@ def driven_between_two(behind: float, stretches: int) -> float:
 
 def test_what_differs_a_little_and_lastingly_doesnt_make_one_of_two_alike_sure() -> None:
     assert driven_between_two(0.5, 20) < 0.9
-    assert driven_between_two(0.5, 1) > 0.6
+    assert driven_between_two(0.5, 1) > 0.55
 
 
 def test_what_differs_clearly_makes_one_of_two_sure_within_three_stretches() -> None:
-    assert driven_between_two(3.0, 3) > 0.995
+    assert driven_between_two(3.0, 3) > 0.99
+
+
+def test_one_stretch_that_is_off_as_far_as_one_in_forty_makes_nobody_sure() -> None:
+    assert 1.0 - driven_between_two(1.5, 1) > 4 * SURE
 
 
 def test_a_place_where_two_alike_differ_counts_for_good() -> None:
@@ -106,7 +110,25 @@ def test_a_place_where_two_alike_differ_counts_for_good() -> None:
         for _ in range(6):
             mixture = mixture.looked(np.array([0, 1]), 0.04 + np.array([0.0, behind * (0.015 + 0.1 * 0.04)]))
         mixture = by_stretch(mixture, seen())
-    assert mixture.weights[0] - mixture.weights[1] > 3.0
+    assert mixture.weights[0] - mixture.weights[1] > 2.8
+
+
+def test_what_is_less_alike_than_any_place_of_the_map_speaks_against_it() -> None:
+    others = np.random.default_rng(5).normal(1.0, 0.1, 40)
+    ratios = log_ratio(np.array([0.2, 1.0, 1.5, 2.1]), others)
+    assert ratios[0] > 2.0
+    assert (ratios[1:] < -1.0).all()
+
+
+def test_places_looked_through_everywhere_share_what_is_left_but_for_being_off_the_map() -> None:
+    start, places = (
+        Mixture.at(np.zeros(3), 0.01 * np.eye(3), 0.8),
+        np.column_stack([np.arange(9.0) + 5, np.zeros((9, 2))]),
+    )
+    part, whole = (with_places(start, seen(), places, everywhere) for everywhere in (False, True))
+    assert math.exp(part.elsewhere) > 0.5
+    assert math.exp(whole.elsewhere) == pytest.approx(0.8 * (OFF + (1 - OFF) * math.exp(-FIRST) * 4 / 9), rel=1e-6)
+    assert math.exp(whole.weights[0]) == pytest.approx(0.2)
 
 
 def test_what_views_tell_is_as_before() -> None:

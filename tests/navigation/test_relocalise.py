@@ -16,6 +16,7 @@ from topomap.core.records import Command, Goal, Phase, Where
 from topomap.mapping.mapper import Mapper, MapperSettings
 from topomap.navigation.manoeuvres.relocalise import WAY, Relocalise, free_bearing
 from topomap.navigation.pilot import Pilot, PilotSettings
+from topomap.navigation.search.search_way import SearchWay
 from topomap.vision.registry import aligner
 
 GOAL = Goal(Phase.TRAVEL, 0)
@@ -85,3 +86,12 @@ def test_it_gives_up_after_its_way_and_stops() -> None:
     assert done[0] == Command()
     assert done[1].phase is Phase.FAILED
     assert "gave up" in done[1].note
+
+
+def test_it_takes_the_way_that_was_chosen_and_says_why(monkeypatch: pytest.MonkeyPatch) -> None:
+    manoeuvre, mapper = Relocalise(Pilot(PilotSettings())), a_mapper()
+    monkeypatch.setattr(SearchWay, "step", lambda *_: (math.pi, "turns round: its 2 places part after 4 m behind"))
+    done = manoeuvre.step(view(corridor(9.0)), False, where(0.6), GOAL, mapper)
+    assert done is not None
+    assert (done[0].forward, abs(done[0].turn)) == (0.0, PilotSettings().turn_rate)
+    assert done[1].note == "lost (0.60): turns round: its 2 places part after 4 m behind"

@@ -15,7 +15,8 @@ from topomap.mapping.graph import TopoMap
 from topomap.mapping.mapper import Mapper
 from topomap.navigation.localiser.fix import fix
 from topomap.navigation.localiser.mixture import Mixture
-from topomap.navigation.localiser.views import Seen, Usual, look, usual
+from topomap.navigation.localiser.tint import unlike
+from topomap.navigation.localiser.views import Found, Seen, Usual, look, usual
 from topomap.navigation.localiser.weighing import by_first_view, by_stretch, with_places
 from topomap.vision.image.surroundings import surroundings
 
@@ -35,6 +36,9 @@ ALIKE = 0.5
 tells no more than that it isn't like the place, or that something hides it: one look at 1.1 would outweigh a metre."""
 TELLING = 0.2
 """Likeness by which the nearer of two neighbours wins: their difference halfway to the next one."""
+COLOURED, WEIGHTY = 12, 0.01
+"""Hypotheses whose colours are looked at, the likeliest: the view of each may have to be decoded, for 2 ms; and the
+weight they have at least."""
 LED = 0.2
 """Weight from which on a hypothesis is worth a fix by ranges."""
 
@@ -98,12 +102,13 @@ class Belief:
         if due or fresh or self._usual is None:
             self._usual = usual(view, mapper.recognition, first)
         seen = look(view, mapper.recognition, nearby.places[nearby.near], count, first, self._usual)
-        self._compare(seen, nearby, mapper.map.poses[nodes])
+        told, places, found = self._compare(seen, nearby, mapper.map.poses[nodes])
+        self.mixture = self.mixture.tinted(told, self._tints(panorama, mapper, told, nodes[places], found))
         if due or fresh:
             self._since_weighed = 0.0
             self.stretches += not fresh
             weighed = by_first_view(self.mixture, seen) if fresh else by_stretch(self.mixture, seen)
-            self.mixture = with_places(weighed, seen, mapper.map.poses[nodes]).pruned()
+            self.mixture = with_places(weighed, seen, mapper.map.poses[nodes], fresh and count >= SEARCHED).pruned()
         self._fix(panorama, mapper, nodes)
 
     @property
@@ -130,15 +135,20 @@ class Belief:
         )
         return Nearby(nearest, np.take_along_axis(away, nearest, axis=1) <= REACH)
 
-    def _compare(self, seen: Seen, nearby: Nearby, places: FloatArray) -> None:
-        """Take each hypothesis's likeness to the places near it, and correct its pose by them."""
+    def _compare(self, seen: Seen, nearby: Nearby, places: FloatArray) -> tuple[IntArray, IntArray, Found]:
+        """Take each hypothesis's likeness to the places near it, and correct its pose by them.
+
+        Return which hypotheses (k,) have one, the most alike place of each (k,), and how it was found.
+        """
         n, k = nearby.places.shape
         if not n:
-            return
+            return np.zeros(0, np.int64), np.zeros(0, np.int64), Found(np.zeros(0), np.zeros(0), np.zeros((0, 2)))
         expected = wrap_all(self.mixture.poses[:, None, 2] - places[nearby.places, 2])
         likeness, poses = np.full((n, k), np.inf), np.zeros((n, k, 3))
         found = seen.at(nearby.places[nearby.near], expected[nearby.near])
         likeness[nearby.near] = found.likeness
+        which = np.zeros((n, k), np.int64)
+        which[nearby.near] = np.arange(len(found.likeness))
         poses[nearby.near] = found.poses(places[nearby.places[nearby.near]])
         least = likeness.min(axis=1)
         self.likeness = float(least[np.argmax(self.mixture.weights)])
@@ -152,6 +162,26 @@ class Belief:
         heading = poses[alike, rows.argmin(axis=1), 2]
         measured = np.column_stack([there, heading])
         self.mixture = self.mixture.measured(alike, measured, np.broadcast_to(BY_VIEW, (len(alike), 3, 3)))
+        best = likeness[told].argmin(axis=1)
+        rows = which[told, best]
+        return told, nearby.places[told, best], Found(found.likeness[rows], found.rotations[rows], found.points[rows])
+
+    def _tints(self, panorama: Panorama, mapper: Mapper, told: IntArray, nodes: IntArray, found: Found) -> FloatArray:
+        """Return how unlike in colour (k,) hypotheses (k,) are to their places' nodes (k,); the unlikely ones pass for
+        as alike as any.
+        """
+        weights = self.mixture.weights[told]
+        led = np.argsort(-weights, kind="stable")[:COLOURED]
+        led = led[weights[led] > math.log(WEIGHTY)]
+        squares = np.zeros(len(told))
+        if len(led) > 1:
+            squares[led] = [
+                unlike(panorama, mapper.view_cache.panorama(int(nodes[k])), float(found.rotations[k]), _point(found, k))
+                for k in led.tolist()
+            ]
+            squares = np.minimum(squares, ALIKE**2)
+            squares[np.setdiff1d(np.arange(len(told)), led)] = squares[led].min()
+        return squares
 
     def _fix(self, panorama: Panorama, mapper: Mapper, nodes: IntArray) -> None:
         """Measure the likeliest hypothesis's pose against the place nearest to it."""
@@ -172,3 +202,8 @@ class Belief:
         measured = compose(place, found.relative)
         covariance = turn @ found.covariance @ turn.T
         self.mixture = self.mixture.measured(np.array([k]), measured[None], covariance[None])
+
+
+def _point(found: Found, k: int) -> tuple[float, float]:
+    x, y = found.points[k].tolist()
+    return x, y

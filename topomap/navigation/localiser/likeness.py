@@ -26,8 +26,9 @@ def log_ratio(likeness: FloatArray, others: FloatArray) -> FloatArray:
     """Return (n,) log of how much likelier views of such likeness are at the place than anywhere on the map.
 
     likeness (n,): differences over `usual`; others (m,): those of a sample of the map's places. Where half the map
-    looks like this, looking like this says little.
+    looks like this, looking like this says little; what is less like it than half the map says no more than that.
     """
+    likeness = np.minimum(likeness, 1.0)
     there = (1 - CHANGED) * _normal((likeness - THERE) / SPREAD) / SPREAD + CHANGED / WIDEST
     # nearer than usual is no less like it
     there = np.where(likeness < THERE, (1 - CHANGED) * _normal(np.zeros(1)) / SPREAD + CHANGED / WIDEST, there)

@@ -107,6 +107,12 @@ class Mixture:
         seen[which, 2] = np.minimum(seen[which, 2], squares)
         return replace(self, seen=seen)
 
+    def tinted(self, which: IntArray, squares: FloatArray) -> Mixture:
+        """Return hypotheses `which` (k,) whose last look was so much less alike in colour, squared (k,)."""
+        seen = self.seen.copy()
+        seen[which, 0] += squares
+        return replace(self, seen=seen)
+
     def weighed(self, ratios: FloatArray, escape: float) -> Mixture:
         """Return the weights times likelihood ratios (n,) in logs; each fails with a probability `escape` first."""
         total = np.logaddexp.reduce(self.weights) if len(self) else -np.inf

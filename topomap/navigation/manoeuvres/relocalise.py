@@ -13,6 +13,7 @@ from topomap.core.records import Command, Goal, Phase, Travel, Where
 from topomap.mapping.mapper import Mapper
 from topomap.navigation.manoeuvres.back_off import BackOff
 from topomap.navigation.pilot import Pilot
+from topomap.navigation.search.search_way import SearchWay
 from topomap.vision.image.ground_line import ground_ranges
 
 LOST, FOUND = 0.5, 0.05
@@ -42,7 +43,8 @@ class Relocalise:
     It never drives blind: it steers by ranges, without them by where the floor ends, backs off from what it touches and
     remembers where that stands.
 
-    A panorama shows all directions at once, so turning on the spot would show nothing new: it drives at once.
+    A panorama shows all directions at once, so turning on the spot would show nothing new: it drives at once, and turns
+    round where the map says that the places where it may be part sooner that way.
     """
 
     def __init__(self, pilot: Pilot) -> None:
@@ -51,6 +53,7 @@ class Relocalise:
         self._steps = 0
         self._back_off = BackOff(pilot.body_radius)
         self._forward = False
+        self._way = SearchWay()
 
     def step(
         self, panorama: Panorama, contact: bool, where: Where, goal: Goal, mapper: Mapper
@@ -58,6 +61,7 @@ class Relocalise:
         """Return the command and what was done, or None where the robot knows where it is."""
         if goal.phase is not Phase.TRAVEL or where.lost <= (LOST if self._began is None else FOUND):
             self._began, self._steps, self._forward = None, 0, False
+            self._way.reset()
             return None
         track = mapper.track
         if self._began is None:
@@ -66,12 +70,14 @@ class Relocalise:
         way = track.travel - self._began
         if way > WAY or self._steps > STEPS:
             return Command(), Travel(Phase.FAILED, note=f"lost: gave up after looking around for {way:.0f} m")
-        travel = Travel(Phase.TRAVEL, note=f"lost ({where.lost:.2f}): looks around")
-        command = self._drive(panorama, contact, where, mapper)
+        towards, decided = self._way.step(where, mapper)
+        note = f"lost ({where.lost:.2f}): {decided or 'looks around'}"
+        command = self._drive(panorama, contact, where, mapper, towards)
         self._forward = command.forward > 0
-        return command, travel
+        return command, Travel(Phase.TRAVEL, note=note)
 
-    def _drive(self, panorama: Panorama, contact: bool, where: Where, mapper: Mapper) -> Command:
+    def _drive(self, panorama: Panorama, contact: bool, where: Where, mapper: Mapper, towards: float | None) -> Command:
+        """Return the command; towards: the bearing [rad] of the way that was chosen, None: as it looks."""
         track = mapper.track
         back = self._back_off.step(contact, track.raw, track.travel, self._forward)
         if back is not None:
@@ -79,7 +85,9 @@ class Relocalise:
         seen = panorama.ranges if panorama.ranges is not None else ground_ranges(panorama)
         ranges = self._back_off.ranges(seen, track.raw)
         assert ranges is not None
-        bearing = _along_the_map(where, mapper) if 1.0 - where.lost > LED else None
+        bearing = towards
+        if bearing is None and 1.0 - where.lost > LED:
+            bearing = _along_the_map(where, mapper)
         return self._pilot.steer(free_bearing(ranges) if bearing is None else bearing, ranges, SPEED)
 
 
