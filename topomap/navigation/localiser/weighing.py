@@ -24,7 +24,7 @@ GROWTH = 1.0
 """How a stretch speaks against a hypothesis by how far it is behind the most alike one, in units of what varies: as the
 square. Between two corridors alike the place itself was the worse one by 0.2 to 0.4 units in 16 of 35 stretches, by 0.4
 to 0.7 in 10 of 37, by 0.7 to 1 in 4 of 24, by 1 to 1.5 in 3 of 59; in `office-loop` by all of these less often. That is
-1.8 for one stretch alone; of a search's five or so the most counts, and with 1.8 two of 35 ended sure and wrong."""
+1.8 for one stretch alone; of a search's five or so the most counts, and with 1.8 one of 20 ended sure and wrong."""
 LASTING = 0.95
 """Share of the most that was said against a hypothesis that the next stretch has to exceed to say more. What differs a
 little between two places alike hangs together from stretch to stretch (by 0.85 between two corridors, by 0.6 in
