@@ -7,7 +7,18 @@ import math
 import numpy as np
 from numba import njit
 
-from topomap.core.arrays import FloatArray
+from topomap.core.arrays import BoolArray, FloatArray
+
+
+@njit(cache=True)
+def _closer(x: float, y: float, limit: float) -> bool:
+    """Return whether hypot(x, y) < limit; only what is equal to twelve digits takes the slow way."""
+    squared, bound = x * x + y * y, limit * limit
+    if squared < bound * (1.0 - 1e-12):
+        return True
+    if squared > bound * (1.0 + 1e-12):
+        return False
+    return math.hypot(x, y) < limit
 
 
 @njit(cache=True)
@@ -22,15 +33,20 @@ def surfaces(ranges: FloatArray, half: int, flatness: float) -> tuple[FloatArray
     for j in range(n):
         points[j, 0] = ranges[j] * math.cos(2.0 * math.pi * j / n)
         points[j, 1] = ranges[j] * math.sin(2.0 * math.pi * j / n)
+    shares = points / (2 * half + 1)
     for j in range(n):
-        mean_x, mean_y, near = 0.0, 0.0, True
+        limit = 0.3 + 0.2 * ranges[j]
+        near = limit > 0.0
         for k in range(j - half, j + half + 1):
-            mean_x += points[k % n, 0] / (2 * half + 1)
-            mean_y += points[k % n, 1] / (2 * half + 1)
-            apart = math.hypot(points[k % n, 0] - points[j, 0], points[k % n, 1] - points[j, 1])
-            near = near and apart < 0.3 + 0.2 * ranges[j]
+            if not _closer(points[k % n, 0] - points[j, 0], points[k % n, 1] - points[j, 1], limit):
+                near = False
+                break
         if not near:
             continue
+        mean_x, mean_y = 0.0, 0.0
+        for k in range(j - half, j + half + 1):
+            mean_x += shares[k % n, 0]
+            mean_y += shares[k % n, 1]
         xx, xy, yy = 0.0, 0.0, 0.0
         for k in range(j - half, j + half + 1):
             dx, dy = points[k % n, 0] - mean_x, points[k % n, 1] - mean_y
@@ -64,6 +80,12 @@ def normal_equations(
     error, used = 0.0, 0
     c, s = math.cos(pose[2]), math.sin(pose[2])
     row = np.empty(3)
+    reach = (n + 1) // 2 + window  # a direction is at most half a circle from the nose
+    round_x, round_y = np.empty(2 * reach + 1), np.empty(2 * reach + 1)
+    for k in range(-reach, reach + 1):
+        surface = not math.isnan(normals[k % n, 0])
+        round_x[k + reach] = points[k % n, 0] if surface else math.nan
+        round_y[k + reach] = points[k % n, 1] if surface else math.nan
     for j in range(n):
         if math.isnan(moved_normals[j, 0]):
             continue
@@ -71,15 +93,17 @@ def normal_equations(
         facing_x = c * moved_normals[j, 0] - s * moved_normals[j, 1]
         facing_y = s * moved_normals[j, 0] + c * moved_normals[j, 1]
         at_x, at_y = x + pose[0], y + pose[1]
-        middle = round(math.atan2(at_y, at_x) * n / (2.0 * math.pi))
+        angle = math.atan2(at_y, at_x)
+        if math.isnan(angle):
+            continue
+        middle = round(angle * n / (2.0 * math.pi)) + reach
         best, distance = -1, (2.0 * cutoff + 0.15) ** 2
         for k in range(middle - window, middle + window + 1):
-            i = k % n
-            if math.isnan(normals[i, 0]):
-                continue
-            squared = (points[i, 0] - at_x) ** 2 + (points[i, 1] - at_y) ** 2
+            squared = (round_x[k] - at_x) ** 2 + (round_y[k] - at_y) ** 2
             if squared < distance:
-                best, distance = i, squared
+                best, distance = k, squared
+        if best >= 0:
+            best = (best - reach) % n
         if best < 0 or abs(facing_x * normals[best, 0] + facing_y * normals[best, 1]) < 0.9:
             continue
         off = (at_x - points[best, 0]) * normals[best, 0] + (at_y - points[best, 1]) * normals[best, 1]
@@ -107,6 +131,25 @@ def in_pairs(information: FloatArray) -> tuple[FloatArray, FloatArray]:
         for b in range(3):
             pairs[a, b] = information[a, b] * scale[a] * scale[b]
     return pairs, scale
+
+
+@njit(cache=True)
+def untold_directions(values: FloatArray, directions: FloatArray, least: float) -> tuple[BoolArray, int]:
+    """Return which directions (3, 3), with eigenvalues (3,), are of the position and told by no more than `least`."""
+    untold = np.empty(3, np.bool_)
+    for k in range(3):
+        untold[k] = values[k] <= least and directions[2, k] ** 2 < 0.5
+    return untold, int(untold.sum())
+
+
+@njit(cache=True)
+def without_direction(lost: FloatArray, squared: float) -> FloatArray:
+    """Return the projection (3, 3) that removes a direction (2, 1) of the position, of a length squared."""
+    kept = np.eye(3)
+    for a in range(2):
+        for b in range(2):
+            kept[a, b] -= lost[a, 0] * lost[b, 0] / squared
+    return kept
 
 
 @njit(cache=True)

@@ -3,13 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 
 import numpy as np
 
 from topomap.core.arrays import Float32Array, FloatArray
 from topomap.core.geometry import wrap
-from topomap.vision.matching.scan_kernels import in_pairs, inverse_of, normal_equations, surfaces
+from topomap.vision.matching.scan_kernels import (
+    in_pairs,
+    inverse_of,
+    normal_equations,
+    surfaces,
+    untold_directions,
+    without_direction,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,8 +67,8 @@ def match_scans(a: Float32Array, b: Float32Array, guess: FloatArray, surfaced: S
     Returns None where too few rays find a partner.
     """
     s = surfaced
-    points, normals = surfaces(a.astype(float), NEIGHBOURS, s.flatness)
-    moved, moved_normals = surfaces(b.astype(float), NEIGHBOURS, s.flatness)
+    points, normals = _surfaces(a.astype(float).tobytes(), s.flatness)
+    moved, moved_normals = _surfaces(b.astype(float).tobytes(), s.flatness)
     pose = np.array(guess, float)
     for cutoff in _cutoffs(s.widest, s.narrowest):
         information, gradient, error, used = normal_equations(
@@ -73,6 +80,12 @@ def match_scans(a: Float32Array, b: Float32Array, guess: FloatArray, surfaced: S
         pose[2] = wrap(float(pose[2]))
     variance = max(s.sigma**2, error / used)
     return ScanMatch(pose, variance * _inverse(information, UNMEASURED), used / len(a))
+
+
+@lru_cache(maxsize=32)
+def _surfaces(scan: bytes, flatness: float) -> tuple[FloatArray, FloatArray]:
+    """Return the points and normals of a scan (W,) float64: one scan is laid over many, from several guesses each."""
+    return surfaces(np.frombuffer(scan).copy(), NEIGHBOURS, flatness)
 
 
 UNMEASURED = 1e6  # the variance of a direction that too few pairs constrain, in pair variances
@@ -94,8 +107,8 @@ def _inverse(information: FloatArray, otherwise: float = 0.0) -> FloatArray:
     pairs, scale = in_pairs(information)
     values, directions = np.linalg.eigh(pairs)
     least = TOLD * float(values[2])
-    untold = (values <= least) & (directions[2] ** 2 < 0.5)
-    if untold.any():
+    untold, count = untold_directions(values, directions, least)
+    if count:
         kept = _without(directions[:2, untold])
         values, directions = np.linalg.eigh(kept @ pairs @ kept)
     inverse: FloatArray = inverse_of(values, directions, scale, least, otherwise)
@@ -104,6 +117,7 @@ def _inverse(information: FloatArray, otherwise: float = 0.0) -> FloatArray:
 
 def _without(lost: FloatArray) -> FloatArray:
     """Return the projection (3, 3) that removes directions (2, K) of the position, one or both."""
-    kept = np.eye(3)
-    kept[:2, :2] -= np.outer(lost, lost) / (lost[:, 0] @ lost[:, 0]) if lost.shape[1] == 1 else np.eye(2)
+    if lost.shape[1] > 1:
+        return np.diag([0.0, 0.0, 1.0])
+    kept: FloatArray = without_direction(lost, float(lost[:, 0] @ lost[:, 0]))
     return kept
