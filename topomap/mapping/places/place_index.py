@@ -7,12 +7,16 @@ exactly.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-
 import numpy as np
 
 from topomap.core.arrays import Complex64Array, Float32Array, FloatArray, IntArray
-from topomap.vision.image.compare import RotationDifferences, Signature, rotation_differences, squared_differences
+from topomap.vision.image.compare import (
+    RotationDifferences,
+    Signature,
+    least_squared_differences,
+    rotation_differences,
+)
+from topomap.vision.image.surroundings import Surroundings
 from topomap.vision.matching.spectra_kernels import spectra_powers
 
 FREQUENCIES = 16
@@ -62,12 +66,15 @@ class PlaceIndex:
             return RotationDifferences(np.zeros(0, np.float32), np.zeros(0))
         return rotation_differences(view, self._spectra[places], self._powers[places])
 
-    def curves(self, views: Sequence[Signature], places: IntArray) -> Iterator[FloatArray]:
-        """Return, for each view, the mean squared differences (n, C) to some stored ones, the view rolled by 0, 1, ..
-        C-1 columns.
+    def least(self, around: Surroundings, places: IntArray) -> tuple[FloatArray, IntArray]:
+        """Return the least mean squared differences (n, C) to some stored views, of all points around, the view rolled
+        by 0, 1, .. C-1 columns, and which point it was (n, C).
         """
-        spectra, powers = self._spectra[places], self._powers[places]
-        return (squared_differences(view, spectra, powers) for view in views)
+        pixels = around.views[0].pixels.shape
+        rows, columns = int(pixels[0]), int(pixels[1])
+        return least_squared_differences(
+            (rows, columns), around.spectra, around.powers, self._spectra[places], self._powers[places]
+        )
 
     def search(self, view: Signature, count: int, first: int | None = None) -> tuple[IntArray, RotationDifferences]:
         """Return the `count` views most like this one among [0, first), by default all, best first.

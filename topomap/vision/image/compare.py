@@ -11,11 +11,11 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from topomap.core.arrays import Complex64Array, Float32Array, FloatArray
+from topomap.core.arrays import Complex64Array, Float32Array, FloatArray, IntArray
 from topomap.core.errors import ShapeError
 from topomap.core.geometry import TAU, wrap, wrap_all
 from topomap.core.panorama import Panorama
-from topomap.vision.matching.spectra_kernels import spectra_powers, spectra_products
+from topomap.vision.matching.spectra_kernels import all_products, least_differences, spectra_powers, spectra_products
 
 BLANK = 1e-3
 """Standard deviation in grey values below which a picture holds nothing; it is then all zeros."""
@@ -51,6 +51,19 @@ def normalised(pixels: Float32Array) -> Float32Array:
     if deviation < BLANK:
         return np.zeros_like(pixels)
     return ((pixels - np.float32(pixels.mean(dtype=np.float64))) / np.float32(deviation)).astype(np.float32)
+
+
+def all_normalised(pictures: Float32Array) -> Float32Array:
+    """Return pictures (D, R, C), each as `normalised` makes it, to the bit."""
+    values = pictures.reshape(len(pictures), -1).astype(np.float64)
+    mean = values.mean(axis=1, keepdims=True)
+    deviation = np.sqrt(np.square(values - mean).mean(axis=1))
+    shape = (len(pictures), *([1] * (pictures.ndim - 1)))
+    seen = deviation >= BLANK
+    over = np.where(seen, deviation, 1.0).astype(np.float32).reshape(shape)
+    result = (pictures - mean.astype(np.float32).reshape(shape)) / over
+    result[~seen] = 0.0
+    return result
 
 
 def shrunk(panorama: Panorama, columns: int, rows: int, blur: float = 0.0, colour: bool = False) -> Float32Array:
@@ -178,6 +191,26 @@ def squared_differences(current: Signature, spectra: Complex64Array, powers: Flo
     correlation = np.fft.irfft(products, n=columns, axis=1)
     result: FloatArray = theirs[:, np.newaxis] + own - (2.0 / (rows * columns)) * correlation
     return result
+
+
+def powers(pixels: Float32Array) -> FloatArray:
+    """Return the mean squares (D,) of the pixels (D, R, C) of views: 1 but for rounding, 0 for blank ones."""
+    squares: FloatArray = np.square(pixels.reshape(len(pixels), -1), dtype=np.float64)
+    return np.asarray(squares.mean(axis=1))
+
+
+def least_squared_differences(
+    pixels: tuple[int, int], spectra: Complex64Array, own: FloatArray, stored: Complex64Array, theirs: FloatArray
+) -> tuple[FloatArray, IntArray]:
+    """Return the least of the squared differences (N, C) of N stored views to D others, and whose it is (N, C): what
+    `squared_differences` returns for one after the other, to the bit.
+
+    pixels: rows and columns of a view; spectra (D, R, C//2 + 1) with powers own (D,), stored (N, R, C//2 + 1) with
+    powers theirs (N,).
+    """
+    rows, columns = pixels
+    correlation = np.fft.irfft(all_products(stored, np.conj(spectra)), n=columns, axis=2)
+    return least_differences(theirs, own, correlation, np.float32(2.0 / (rows * columns)))
 
 
 def parabola(below: FloatArray, here: FloatArray, above: FloatArray) -> tuple[FloatArray, FloatArray]:

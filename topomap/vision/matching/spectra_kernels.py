@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from topomap.core.arrays import Complex64Array, FloatArray
+from topomap.core.arrays import Complex64Array, Float32Array, FloatArray, IntArray
 
 
 @njit(cache=True)
@@ -27,6 +27,32 @@ def spectra_products(spectra: Complex64Array, conjugate: Complex64Array) -> Comp
         for f in range(lines):
             products[n, f] = complex(real[f], imaginary[f])
     return products
+
+
+@njit(cache=True)
+def all_products(spectra: Complex64Array, conjugates: Complex64Array) -> Complex64Array:
+    """Return what `spectra_products` returns for each of conjugates (D, R, F): (D, N, F)."""
+    products = np.empty((conjugates.shape[0], spectra.shape[0], spectra.shape[2]), np.complex64)
+    for d in range(conjugates.shape[0]):
+        products[d] = spectra_products(spectra, conjugates[d])
+    return products
+
+
+@njit(cache=True)
+def least_differences(
+    theirs: FloatArray, own: FloatArray, correlation: Float32Array, scale: np.float32
+) -> tuple[FloatArray, IntArray]:
+    """Return the least of theirs (N,) + own (D,) - scale * correlation (D, N, C) over D, and the first that has it."""
+    views, count, columns = correlation.shape
+    least, which = np.full((count, columns), np.inf), np.zeros((count, columns), np.int64)
+    for d in range(views):
+        for n in range(count):
+            both = theirs[n] + own[d]
+            for c in range(columns):
+                value = both - scale * correlation[d, n, c]
+                if value < least[n, c]:
+                    least[n, c], which[n, c] = value, d
+    return least, which
 
 
 @njit(cache=True)
