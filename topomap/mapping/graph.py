@@ -183,10 +183,11 @@ class TopoMap:
     def edges_from(self, place: int) -> Iterator[tuple[int, int, Increments]]:
         """Yield (a, b, increments) along the chain from a place in it on, their covariances as judged."""
         for edge in pairwise(self.chain[place:]):
-            if edge not in self._judged:
+            judged = self._judged.get(edge)
+            if judged is None:
                 declared = self._increments[edge]
-                self._judged[edge] = declared if self.noise is AS_DECLARED else self.noise.judged(declared)
-            yield *edge, self._judged[edge]
+                judged = self._judged[edge] = declared if self.noise is AS_DECLARED else self.noise.judged(declared)
+            yield edge[0], edge[1], judged
 
     def way(self, a: int, b: int) -> Increments:
         """Return the increments as declared from node a to node b, which comes later on the chain and not long before

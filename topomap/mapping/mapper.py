@@ -277,9 +277,10 @@ class Mapper:
         if self.lost or self._gap is not None or not len(nodes):
             return
         apart = self._closing.apart
-        near = set(self._closing.within_reach(nodes).tolist())
+        far = np.ones(len(self.map.nodes), bool)
+        far[self._closing.within_reach(nodes)] = False
         away = np.hypot(*(self.map.poses[nodes, :2] - self.track.pose.array()[:2]).T)
-        elsewhere = nodes[[node not in near for node in nodes.tolist()] & (away > apart)]
+        elsewhere = nodes[far[nodes] & (away > apart)]
         self.recognition.learn_contrast(panorama, elsewhere, self.map.poses[elsewhere, :2], apart)
 
     def _remember(self, node: int, panorama: Panorama) -> None:
