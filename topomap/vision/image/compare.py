@@ -6,6 +6,7 @@ The scale of every `rms` here: 0 for the same view, sqrt(2) = 1.4 for unrelated 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import cv2
@@ -15,7 +16,14 @@ from topomap.core.arrays import Complex64Array, Float32Array, FloatArray, IntArr
 from topomap.core.errors import ShapeError
 from topomap.core.geometry import TAU, wrap, wrap_all
 from topomap.core.panorama import Panorama
-from topomap.vision.matching.spectra_kernels import all_products, least_differences, spectra_powers, spectra_products
+from topomap.vision.matching.spectra_kernels import (
+    all_products,
+    chosen_products,
+    least_differences,
+    lowest_points,
+    spectra_powers,
+    spectra_products,
+)
 
 BLANK = 1e-3
 """Standard deviation in grey values below which a picture holds nothing; it is then all zeros."""
@@ -169,13 +177,30 @@ def rotation_differences(
     """
     if spectra.shape[1:] != current.spectrum.shape:
         raise ShapeError(f"stored spectra are {spectra.shape[1:]}, the signature's is {current.spectrum.shape}")
-    squares = squared_differences(current, spectra, powers)
-    best = squares.argmin(axis=1)
-    rows, columns = np.arange(len(best)), squares.shape[1]
-    below, here, above = (squares[rows, (best + step) % columns] for step in (-1, 0, 1))
-    offset, low = parabola(below, here, above)
-    rotation = wrap_all((best + offset) * (TAU / columns))
+    theirs = spectra_powers(spectra, current.pixels.shape[1]) if powers is None else powers
+    return _rotated(current, spectra_products(spectra, np.conj(current.spectrum)), theirs, _power(current))
+
+
+def chosen_differences(
+    current: Signature, spectra: Complex64Array, powers: FloatArray, blocks: Iterable[IntArray]
+) -> Iterator[RotationDifferences]:
+    """Compare as `rotation_differences` does with some blocks (n,) of stored spectra (N, R, C//2 + 1), one by one."""
+    own, conjugate = _power(current), np.conj(current.spectrum)
+    for block in blocks:
+        yield _rotated(current, chosen_products(spectra, block, conjugate), powers[block], own)
+
+
+def _rotated(current: Signature, products: Complex64Array, theirs: FloatArray, own: float) -> RotationDifferences:
+    """Return the differences by the products (N, C//2 + 1) of spectra, and powers theirs (N,) and own."""
+    rows, columns = current.pixels.shape
+    correlation = np.fft.irfft(products, n=columns, axis=1)
+    where, low = lowest_points(theirs, own, correlation, np.float32(2.0 / (rows * columns)))
+    rotation = wrap_all(where * (TAU / columns))
     return RotationDifferences(np.sqrt(np.maximum(low, 0.0)).astype(np.float32), rotation)
+
+
+def _power(current: Signature) -> float:
+    return float(np.square(current.pixels, dtype=np.float64).mean())
 
 
 def squared_differences(current: Signature, spectra: Complex64Array, powers: FloatArray | None = None) -> FloatArray:
@@ -187,9 +212,8 @@ def squared_differences(current: Signature, spectra: Complex64Array, powers: Flo
     rows, columns = current.pixels.shape
     products = spectra_products(spectra, np.conj(current.spectrum))
     theirs = spectra_powers(spectra, columns) if powers is None else powers
-    own = float(np.square(current.pixels, dtype=np.float64).mean())
     correlation = np.fft.irfft(products, n=columns, axis=1)
-    result: FloatArray = theirs[:, np.newaxis] + own - (2.0 / (rows * columns)) * correlation
+    result: FloatArray = theirs[:, np.newaxis] + _power(current) - (2.0 / (rows * columns)) * correlation
     return result
 
 

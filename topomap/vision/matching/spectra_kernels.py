@@ -30,6 +30,40 @@ def spectra_products(spectra: Complex64Array, conjugate: Complex64Array) -> Comp
 
 
 @njit(cache=True)
+def chosen_products(spectra: Complex64Array, chosen: IntArray, conjugate: Complex64Array) -> Complex64Array:
+    """Return what `spectra_products` returns for some (n,) of spectra (N, R, F): (n, F), without a copy of these."""
+    products = np.empty((len(chosen), spectra.shape[2]), np.complex64)
+    for k in range(len(chosen)):
+        products[k] = spectra_products(spectra[chosen[k] : chosen[k] + 1], conjugate)[0]
+    return products
+
+
+@njit(cache=True)
+def lowest_points(
+    theirs: FloatArray, own: float, correlation: Float32Array, scale: np.float32
+) -> tuple[FloatArray, FloatArray]:
+    """Return where the parabola through the least of theirs (N,) + own - scale * correlation (N, C) and its neighbours
+    has its bottom (N,) [columns], and its value (N,).
+    """
+    count, columns = correlation.shape
+    where, low = np.empty(count), np.empty(count)
+    for n in range(count):
+        both = theirs[n] + own
+        best, here = 0, both - scale * correlation[n, 0]
+        for c in range(1, columns):
+            value = both - scale * correlation[n, c]
+            if value < here:
+                best, here = c, value
+        below = both - scale * correlation[n, (best - 1) % columns]
+        above = both - scale * correlation[n, (best + 1) % columns]
+        bend = below - 2.0 * here + above
+        offset = 0.5 * (below - above) / bend if bend > 1e-12 else 0.0
+        offset = min(max(offset, -0.5), 0.5)
+        where[n], low[n] = best + offset, here - 0.25 * (below - above) * offset
+    return where, low
+
+
+@njit(cache=True)
 def all_products(spectra: Complex64Array, conjugates: Complex64Array) -> Complex64Array:
     """Return what `spectra_products` returns for each of conjugates (D, R, F): (D, N, F)."""
     products = np.empty((conjugates.shape[0], spectra.shape[0], spectra.shape[2]), np.complex64)
