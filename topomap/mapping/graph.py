@@ -136,8 +136,16 @@ class TopoMap:
         self.poses[rest] = moved
 
     def shift(self, nodes: IntArray, poses: FloatArray) -> None:
-        """Set the poses (n, 3) of some nodes (n,)."""
+        """Set the poses (n, 3) of some nodes (n,), in travel order and to what was the end of the chain.
+
+        Nodes that came since lie after them on the chain, or between them, as odometry has it.
+        """
         self.poses[nodes] = poses
+        known = set(nodes.tolist())
+        for before, node in pairwise(self.chain[self.chain.index(int(nodes[0])) :]):
+            if node not in known:
+                delta, _, _ = integrate(self._increments[before, node], self.calibration)
+                self.poses[node] = compose(self.poses[before], delta)
 
     def lean(self, node: int, roll: float, pitch: float) -> None:
         """Let a snapshot's camera have leant so [rad]. Raises ValueError for a node without one."""

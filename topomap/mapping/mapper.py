@@ -184,6 +184,7 @@ class Mapper:
             return
         behind = self.map.chain[self.map.chain.index(gap) :]
         self._closing.withdraw(self._stamp_ns, set(behind))
+        self.optimisation.abandon()  # it would put back what is moved here
         self.map.place(gap, pose @ self.track.pose.to(self.map.pose(gap)))
         self.track.restart()
         self._closing.forget(self._stamp_ns)
