@@ -187,6 +187,7 @@ class Optimisation:
         self._running = self._solving_whole()
 
     def _solving_whole(self) -> Slices[Solution]:
+        """Solve the whole map in slices."""
         self.sequential.weigh()
         yield
         self._heard = len(self._closures)
@@ -222,6 +223,7 @@ class Optimisation:
     def _solving_stretch(self) -> Slices[tuple[Recent, list[int]]]:
         """Solve the newest stretch in slices; return what was found and which of the closures it was asked of."""
         self._solved_nodes, self._surprise = len(self._map.nodes), 0.0
+        yield  # the step in which a node came has enough to do
         self.sequential.weigh()
         yield
         edges = [OdometryEdge(*e) for e in self._map.edges_from(max(0, len(self._map.chain) - 1 - STRETCH))]

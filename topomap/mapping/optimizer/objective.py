@@ -179,16 +179,16 @@ class Objective:
             inside.append(faded.among(on_edge))
             across.append(faded.among(~on_edge))
         condensed = self._condensed(at.odometry, inside, [*across, closures])
-        yield from self._pause()
+        yield from self.pause()
         system = LinearSystem(len(self.problem.poses), self.problem.anchor, condensed)
-        yield from self._pause()
+        yield from self.pause()
         system.add_calibration_prior(at.prior, self._sigmas)
         for blocks in across:
             system.add(blocks)
         system.add(closures.weighted(weights[used]))
         return system
 
-    def _pause(self) -> Slices[None]:
+    def pause(self) -> Slices[None]:
         """End a slice where the graph is large."""
         if len(self.problem.poses) > LARGE:
             yield
@@ -210,9 +210,9 @@ class Objective:
     def stepping(self, state: State, at: Linearised, weights: FloatArray) -> Slices[tuple[State, Linearised, float]]:
         """Do what `step` does; of a large graph in slices."""
         system = yield from self.building(at, weights)
-        yield from self._pause()
+        yield from self.pause()
         own, calibration = system.solve()
-        yield from self._pause()
+        yield from self.pause()
         poses = own + at.calibration_jacobian @ calibration
         before = self.error(at, weights)
         longest = 1.0 / max(1.0, float((np.abs(calibration) / LARGEST_STEP).max()))
@@ -222,7 +222,7 @@ class Objective:
             there = self.linearise(moved)
             if self.error(there, weights) <= before * (1 + 1e-9) + 1e-9:
                 return moved, there, float(np.abs(poses).max()) * length
-            yield from self._pause()
+            yield from self.pause()
         return state, at, 0.0
 
 

@@ -53,6 +53,7 @@ def solving(
     covariance = graph.held
     if covariance is None:
         system = yield from graph.building(at, weights)
+        yield from graph.pause()
         covariance = system.covariance()
     return Solution(state.poses, state.calibration, covariance, weights, before, after, iterations, improved)
 

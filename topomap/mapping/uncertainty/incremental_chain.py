@@ -79,10 +79,12 @@ class IncrementalChain:
         places = np.flatnonzero([held[node].snapshot is not None for node in ends.tolist()])
         first = np.concatenate([[0], places[:-1] + 1]) if len(places) else places
         told = np.array([self._variances.get(node, np.inf) for node in ends[places].tolist()])
-        alone = places[first == places]
-        own = noise[alone]
-        variances[alone] = np.maximum(told[first == places] * own / np.maximum(own, 1e-18), 1e-12)
-        for k in np.flatnonzero(first < places).tolist():
+        for k in np.flatnonzero(places - first > 1).tolist():
             span = slice(int(first[k]), int(places[k]) + 1)
             variances[span] = np.maximum(told[k] * noise[span] / max(float(noise[span].sum()), 1e-18), 1e-12)
+        one, two = first == places, first + 1 == places  # most are: all at once
+        sums = np.where(two, noise[first], 0.0) + noise[places]
+        for which, ends_at in ((one | two, places), (two, first)):
+            at = ends_at[which]
+            variances[at] = np.maximum(told[which] * noise[at] / np.maximum(sums[which], 1e-18), 1e-12)
         return variances
