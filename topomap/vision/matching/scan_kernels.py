@@ -143,12 +143,16 @@ def untold_directions(values: FloatArray, directions: FloatArray, least: float) 
 
 
 @njit(cache=True)
-def without_direction(lost: FloatArray, squared: float) -> FloatArray:
-    """Return the projection (3, 3) that removes a direction (2, 1) of the position, of a length squared."""
+def _without(directions: FloatArray, untold: BoolArray, count: int) -> FloatArray:
+    """Return the projection (3, 3) that removes the untold (3,) of directions (3, 3) from the position, one or both."""
+    if count > 1:
+        return np.diag(np.array([0.0, 0.0, 1.0]))
+    lost = directions[:2, np.argmax(untold)].copy()
+    squared = np.dot(lost, lost)
     kept = np.eye(3)
     for a in range(2):
         for b in range(2):
-            kept[a, b] -= lost[a, 0] * lost[b, 0] / squared
+            kept[a, b] -= lost[a] * lost[b] / squared
     return kept
 
 
@@ -166,3 +170,54 @@ def inverse_of(
             for b in range(3):
                 inverse[a, b] += weight * directions[a, k] * directions[b, k] * scale[a] * scale[b]
     return inverse
+
+
+@njit(cache=True)
+def inverted(information: FloatArray, told: float, otherwise: float) -> FloatArray:
+    """Invert an information (3, 3) in the directions that enough pairs constrain; the others get `otherwise`.
+
+    Because normals are noisy, every direction looks constrained a little, even along a bare corridor, and the position
+    along it looks coupled with the turn. So unconstrained directions of the position are removed first: otherwise their
+    uncertainty would spread into the turn, which the walls measure well. The turn is scaled by how far it moves the
+    points, so that all three directions are measured in pairs. told: share of the pairs that tells a direction.
+    """
+    pairs, scale = in_pairs(information)
+    values, directions = np.linalg.eigh(pairs)
+    least = told * values[2]
+    untold, count = untold_directions(values, directions, least)
+    if count:
+        kept = _without(directions, untold, count)
+        values, directions = np.linalg.eigh(kept @ pairs @ kept)
+    return inverse_of(values, directions, scale, least, otherwise)
+
+
+@njit(cache=True)
+def laid_over(
+    points: FloatArray, normals: FloatArray, moved: FloatArray, moved_normals: FloatArray, guess: FloatArray,
+    cutoffs: FloatArray, window: int, told: float, fewest: float,
+) -> tuple[FloatArray, FloatArray, float, int]:  # fmt: skip
+    """Return the pose (3,) of a moved scan after one step for each cutoff, and the last step's information (3, 3),
+    squared error and number of pairs; -1 pairs where fewer than `fewest` were found.
+    """
+    pose = guess.copy()
+    information, error, used = np.zeros((3, 3)), 0.0, 0
+    for cutoff in cutoffs:
+        information, gradient, error, used = normal_equations(
+            points, normals, moved, moved_normals, pose, cutoff, window
+        )
+        if used < fewest:
+            return pose, information, error, -1
+        pose -= inverted(information, told, 0.0) @ gradient
+        pose[2] = _wrapped(pose[2])
+    return pose, information, error, used
+
+
+@njit(cache=True)
+def _wrapped(angle: float) -> float:
+    """Return what `topomap.core.geometry.wrap` does."""
+    rest = np.fmod(angle, 2.0 * math.pi)
+    if rest > math.pi:
+        rest -= 2.0 * math.pi
+    if rest < -math.pi:
+        rest += 2.0 * math.pi
+    return math.pi if rest == -math.pi else rest
