@@ -33,9 +33,11 @@ from topomap.mapping.measured_turns import Columns, MeasuredTurn
 from topomap.mapping.odometry.calibration import MIN_MOVES, DistanceScale, calibration_state
 from topomap.mapping.odometry.gap import GAP, Restated, bridged, restated
 from topomap.mapping.odometry.increments import Calibration, Increments
+from topomap.mapping.odometry.leaps import FEWEST
 from topomap.mapping.odometry.noise import MUCH, OdometerNoise, declared, rolled
 from topomap.mapping.odometry.scan_watch import STEPS, STOOD, TURN_OFF, WAY_OFF, ScanWatch, Shown
-from topomap.mapping.odometry.watch import FEWEST, LATELY, PATIENCE, OdometryWatch
+from topomap.mapping.odometry.usual_change import LATELY, SELDOM, UsualChange
+from topomap.mapping.odometry.watch import PATIENCE, OdometryWatch
 from topomap.mapping.optimisation import Optimisation, OptimisationSettings
 from topomap.mapping.optimizer.examples import example
 from topomap.mapping.optimizer.peers import PEERS, inliers, optimum
@@ -249,14 +251,14 @@ def test_changes_of_the_view_are_judged_at_their_bounds() -> None:
     told = list[float]()
     for known, usual, lately, way in itertools.product((FEWEST - 1, FEWEST), (0.1, 0.3), (0.1, 0.6), (0.1, 0.4)):
         watch = OdometryWatch()
-        watch._changes.extend([usual] * known)
-        watch._ways.extend([0.1] * known)
-        watch._lately = lately
-        told += [watch._jumped(change, way) for change in (0.2, 0.26, 0.35, 0.36, 0.76, 0.91, 1.01, 3.1)]
+        for _ in range(known):
+            watch._usual.learn(usual, usual, 0.1)
+        watch._usual._lately = lately
+        told += [watch._usual.exceeded(change, way) for change in (0.2, 0.26, 0.35, 0.36, 0.76, 0.91, 1.01, 3.1)]
         for driven, change in itertools.product((0.0, 0.015, 0.02, 0.021, 0.1), (0.0, 0.01, 0.05, 0.06, 0.15, 0.2)):
             watch._dead, watch._spinning = 2, 3
             told += [*watch._contradicted(change, driven + 0.001, driven), watch._dead, watch._spinning]
-        told += [watch._still, watch._usual]
+        told += [watch._usual.still, watch._usual.change]
     for dead, spinning, sees, untrue in itertools.product(
         (0, PATIENCE - 1, PATIENCE, PATIENCE + STEPS), (0, 99), (False, True), (False, True)
     ):
@@ -265,6 +267,26 @@ def test_changes_of_the_view_are_judged_at_their_bounds() -> None:
         told.append(watch.doubted)
     assert LATELY == 10
     as_before("odometry changes", {"told": told})
+
+
+def test_the_third_greatest_change_of_a_drive_is_no_break_and_two_are_no_rule() -> None:
+    usual = UsualChange()
+    for _ in range(FEWEST):
+        usual.learn(0.1, 0.1, 0.1)
+    for so_far, change in enumerate((0.9, 0.6, 0.4)):
+        assert so_far < SELDOM
+        assert usual.exceeded(0.36, 0.1)
+        usual.happened(change, 0.2)
+        usual.happened(1.3, 0.26)  # readings were left out
+    assert [usual.exceeded(change, 0.1) for change in (0.59, 0.61)] == [False, True]
+    assert usual.unusual(0.59, 0.1)
+    usual.happened(0.3, 0.1)
+    assert usual.exceeded(0.61, 0.1)
+    usual.happened(0.95, 0.1)
+    assert [usual.exceeded(change, 0.1) for change in (0.89, 0.91)] == [False, True]
+    for _ in range(SELDOM):
+        usual.happened(1.0, 0.1)
+    assert not usual.exceeded(1.8, 0.1), "views that have nothing in common differ by 1.4"
 
 
 def test_the_track_and_the_map_are_cut_and_moved_as_before() -> None:

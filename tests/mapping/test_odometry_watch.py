@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import replace
 from functools import cache
@@ -79,6 +80,24 @@ def test_another_light_is_no_break_but_being_carried_under_it_is(ranged: bool) -
     assert broken == []
     assert [(k, word.split(":")[0]) for k, word in mended] == [(40, "the light changed")]
     assert [k for k, _ in said(before[:30] + behind[50:])] == [30]
+
+
+def beside_a_blade(reading: SimReading, share: float) -> SimReading:
+    """The same with something so near that it hides a share of the view."""
+    image = reading.image.copy()
+    image[:, : round(share * image.shape[1])] = (20, 130, 20)
+    return replace(reading, image=image)
+
+
+def test_what_now_and_then_hides_the_view_is_no_break_and_one_such_time_takes_no_alarm_away() -> None:
+    """Three blades announce themselves by growing, the fourth doesn't."""
+    plain, thrice = blind(taught(80)), blind(taught(80))
+    for k, share in itertools.product((20, 32, 44), enumerate((0.2, 0.6, 0.2))):
+        thrice[k + share[0]] = beside_a_blade(plain[k + share[0]], share[1])
+    assert said(thrice) == []
+    assert [k for k, _ in said([*plain[:60], beside_a_blade(plain[60], 0.6), *plain[61:]])] == [60]
+    assert said([*thrice[:60], beside_a_blade(plain[60], 0.6), *plain[61:]]) == []
+    assert [k for k, _ in said([*thrice[:30], *plain[60:]])] == [30]
 
 
 def test_wheels_that_stood_while_the_view_moved_are_noticed_when_they_go_on() -> None:

@@ -86,6 +86,7 @@ NO_CLAIM = {
     "delv-laser",
     "bipolar-alone",
     "skyline",
+    "did-whole",
     "masks-3-printed",
     "delv-full",
     "comalv",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from topomap.experiments import (
+    as_recorded,
     conditions,
     converging,
     hall,
@@ -73,6 +74,13 @@ STUDIES: dict[str, Study] = {
             "why do methods rank otherwise here?",
             ("a1original", "hall1", "ourlab"),
             orderings.orderings,
+        ),
+        Study(
+            "as-recorded",
+            "Tables 3.2-5.3",
+            "what had the thesis's recordings that ours lack?",
+            as_recorded.ROOMS,
+            as_recorded.as_recorded,
         ),
         Study("delv", "5.33", "which DELV, how fine its distances?", ORIGINAL, images.delv),
     )

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import deque
-from statistics import median
 
 import numpy as np
 
@@ -14,27 +12,15 @@ from topomap.core.records import Motion
 from topomap.core.robot import MotionReading
 from topomap.mapping.odometry.gap import Restated
 from topomap.mapping.odometry.increments import Calibration, advance
-from topomap.mapping.odometry.leaps import FEWEST, Leaps
+from topomap.mapping.odometry.leaps import Leaps
 from topomap.mapping.odometry.scan_watch import STEPS, ScanWatch, ranges_confirm
+from topomap.mapping.odometry.usual_change import MEMORY, TIMES, UsualChange
 from topomap.mapping.odometry.view_change import LEAST, seen_turn, structure_change, view_change
 
-MEMORY = 60
-"""Steps over which the usual change is taken."""
-TIMES = 2.5
-"""A change so many times the usual one is a break: undisturbed it is at most 1.8 times, carried on by a metre 3 or
-more in `hall`, where views change most slowly."""
 TURN_WAY = 0.2
 """[m] Way that changes a view as much as turning by one radian on the spot does."""
-STILL, STILL_SHARE, MOVING = 0.02, 0.2, 0.5
-"""Way up to which wheels stand: in metres, and as a share of the usual way of a step, which may be millimetres; and the
-share of the usual change from which on a view moves nevertheless."""
-LATELY, MORE = 10, 1.5
-"""Steps, and times their greatest change, that a break has to exceed: photographs outdoors change by 0.08 a step and
-now and then by 0.3, several times in a row; one break is enough of those."""
-ANNOUNCED, SOON = 0.4, 2
-"""Change of the whole view, in one of so many steps before, that announces a greater one: what passes close by grows
-over some steps before it hides the rest. In grass it is 0.42 or more before each of 12 blades; in rooms, a hall and an
-office no undisturbed step changes the view by more than 0.38."""
+MOVING = 0.5
+"""Share of the usual change from which on a view moves although the wheels stand."""
 UNMOVED = 0.2
 """Share of the usual change up to which a view stands still."""
 PATIENCE = 4
@@ -67,12 +53,7 @@ class OdometryWatch:
 
     def __init__(self) -> None:
         self._previous: Panorama | None = None
-        self._changes: deque[float] = deque(maxlen=MEMORY)
-        self._ways: deque[float] = deque(maxlen=MEMORY)
-        self._structures: deque[float] = deque(maxlen=MEMORY)  # the same changes, without light
-        self._latest: deque[float] = deque(maxlen=LATELY)
-        self._whole: deque[float] = deque(maxlen=SOON)
-        self._lately = 0.0
+        self._usual = UsualChange()
         self._quickest = 0.0  # the quickest turn of a step so far [rad]
         self._dead = self._spinning = 0
         self._owed = 0.0, 0.0  # way [m] and turn [rad] while the camera repeated its frame: the next view shows them
@@ -106,38 +87,35 @@ class OdometryWatch:
         driven = abs(motion.forward) + abs(motion.left)
         way = driven + TURN_WAY * abs(motion.turn)
         unturned = view_change(panorama, previous, 0.0)
-        repeated = unturned[0] < UNMOVED * self._usual and abs(motion.turn) <= QUICKER * self._quickest
+        repeated = unturned[0] < UNMOVED * self._usual.change and abs(motion.turn) <= QUICKER * self._quickest
         self._owed = (owed_way + way, owed_turn + float(motion.turn)) if repeated else (0.0, 0.0)
         if repeated:  # it shows nothing of the step, so that it announces nothing either
             change, whole = unturned
-        leapt = self._leaps.judge(driven, motion.dt, panorama, previous, self._usual)
-        self._lately = max(self._latest, default=0.0)
-        self._latest.append(change)
-        announced = max(self._whole, default=0.0) >= ANNOUNCED
-        self._whole.append(whole)
-        turned = self._jumped(change, way + owed_way) and not leapt and not announced and not repeated
+        leapt = self._leaps.judge(driven, motion.dt, panorama, previous, self._usual.change)
+        self._usual.note(change, whole)
+        turned = self._usual.exceeded(change, way + owed_way) and not (leapt or self._usual.announced or repeated)
         structure = structure_change(panorama, previous, 0.0 if repeated else float(motion.turn) + owed_turn)
         if turned and self._is_light(structure, previous, panorama, _corrected(motion, calibration)):
             turned = False
             self.said = f"the light changed: the view by {change:.2f}, what stands there by {structure:.2f}"
         turn = seen_turn(panorama, previous) - owed_turn if leapt or turned or self._scans.untrue else 0.0
-        if turned and self._jumped(view_change(panorama, previous, turn + owed_turn)[0], way + owed_way):
+        if turned and self._usual.unusual(view_change(panorama, previous, turn + owed_turn)[0], way + owed_way):
             self._scans.begin(panorama)
             self._leaps.begin()
-            return f"carried away: the view changed by {change:.2f}, usual over a step is {self._usual:.2f}"
+            return f"carried away: the view changed by {change:.2f}, usual over a step is {self._usual.change:.2f}"
         doubted, self.turned = self.doubted, turned
         dead, spinning = self._contradicted(change, way, driven)
-        moves = change > MOVING * self._usual > 0.0
+        moves = change > MOVING * self._usual.change > 0.0
         self._restate(panorama, _corrected(motion, calibration), turn, leapt, turned, moves)
         if self._scans.untrue or leapt or turned:
             return ""
         ended = ""
         if doubted and not self.doubted:
             ended = f"the odometry stood still for {dead} steps" if dead else f"the wheels spun for {spinning} steps"
-        if way > self._still and not self._spinning and change < TIMES * max(self._usual, LEAST):
-            self._changes.append(change)
-            self._structures.append(structure)
-            self._ways.append(way + owed_way)
+        if not self.said:
+            self._usual.happened(change, way + owed_way)
+        if way > self._usual.still and not self._spinning and change < TIMES * max(self._usual.change, LEAST):
+            self._usual.learn(change, structure, way + owed_way)
             self._leaps.learn(driven, motion.dt)
             self._quickest = max(self._quickest, abs(float(motion.turn)))
         return ended
@@ -165,25 +143,9 @@ class OdometryWatch:
             forward, left = c * shown.x + s * shown.y, c * shown.y - s * shown.x
             self.seen = Restated(forward, left, shown.heading, SEEN_WAY, SHOWN_TURN)
 
-    @property
-    def _still(self) -> float:
-        """Way up to which the wheels stand [m]."""
-        return min(STILL, STILL_SHARE * median(self._ways)) if self._ways else 0.0
-
-    @property
-    def _usual(self) -> float:
-        return median(self._changes) if self._changes else 0.0
-
-    def _jumped(self, change: float, way: float) -> bool:
-        if len(self._changes) < FEWEST:
-            return False
-        longer = max(1.0, way / median(self._ways))
-        return change > max(TIMES * self._usual * longer, LEAST, MORE * self._lately)
-
     def _is_light(self, structure: float, previous: Panorama, panorama: Panorama, read: Motion) -> bool:
         """Return whether a change of the view is one of the light alone; structure: the change without light."""
-        usual = median(self._structures)
-        if structure < min(LIT * usual, LIT_MOST):
+        if structure < min(LIT * self._usual.structure, LIT_MOST):
             return True
         return structure < LIT_STILL and ranges_confirm(previous, panorama, advance(Pose2(), read))
 
@@ -193,12 +155,12 @@ class OdometryWatch:
         driven: the way without turning [m], which leaves the view as it was but for its direction.
         """
         dead, spinning = self._dead, self._spinning
-        if len(self._changes) < FEWEST:
+        if not self._usual.known:
             return 0, 0
-        usual = self._usual
-        slow = min(driven / median(self._ways), 1.0)
-        self._dead = self._dead + 1 if way <= self._still and MOVING * usual < change else 0
-        self._spinning = self._spinning + 1 if driven > self._still and change < UNMOVED * usual * slow else 0
+        usual, still = self._usual.change, self._usual.still
+        slow = min(driven / self._usual.way, 1.0)
+        self._dead = self._dead + 1 if way <= still and MOVING * usual < change else 0
+        self._spinning = self._spinning + 1 if driven > still and change < UNMOVED * usual * slow else 0
         return dead, spinning
 
 

@@ -13,7 +13,7 @@ from topomap.vision.homing.bipolar import BipolarMasks
 from topomap.vision.homing.comalv import CentreOfMass, ModifiedCentreOfMass, ReferenceJacobian
 from topomap.vision.homing.convergence_point import ConvergencePoint
 from topomap.vision.homing.delv import DistanceLandmarkVector
-from topomap.vision.homing.did import ImageDescent
+from topomap.vision.homing.did import WHOLE, ImageDescent
 from topomap.vision.homing.did_moves import TrialMoves
 from topomap.vision.homing.dp_warping import DpWarping
 from topomap.vision.homing.dtw import DynamicWarping
@@ -108,6 +108,7 @@ REFERENCE_METHODS: dict[str, ReferenceHoming] = {
     "mcomalv": ModifiedCentreOfMass(),
     "did": ImageDescent(),
     "did-far": ImageDescent(step=0.3),
+    "did-whole": ImageDescent(WHOLE),
     "random-masks-references": ReferenceJacobian(RandomMasks(), step=0.3),
     "masks-3": ReferenceMasks(),
     "masks-3-printed": ReferenceMasks(MaskSpec()),
