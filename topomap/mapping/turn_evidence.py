@@ -97,7 +97,8 @@ class TurnEvidence:
         self._edges += [None] * (len(weighed) - known)
         for k in [*np.flatnonzero(~same).tolist(), *range(known, len(weighed))]:
             turn, sigma = weighed[k].tolist()
-            self._edges[k] = TurnEdge(*self._ends[k], turn, sigma) if math.isfinite(turn) else None
+            i, j = self._ends[k]
+            self._edges[k] = TurnEdge(i, j, turn, sigma) if math.isfinite(turn) else None
         self._weighed = weighed
         return tuple(edge for edge in self._edges if edge is not None)
 

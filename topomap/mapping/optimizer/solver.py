@@ -10,8 +10,7 @@ from topomap.mapping.optimizer.gnc import Schedule, Weighing
 from topomap.mapping.optimizer.objective import Linearised, Objective, State
 from topomap.mapping.optimizer.problem import Problem, Solution
 from topomap.mapping.optimizer.settings import OptimizerSettings
-from topomap.mapping.optimizer.slices import Slices as Slices
-from topomap.mapping.optimizer.slices import drained
+from topomap.mapping.optimizer.slices import Slices, drained
 
 End = tuple[State, Linearised, int]
 """Where a way ended, and after how many steps."""

@@ -20,7 +20,8 @@ from topomap.mapping.optimizer.problem import (
     TurnEdge,
 )
 from topomap.mapping.optimizer.settings import OptimizerSettings
-from topomap.mapping.optimizer.solver import Slices, drained, solving
+from topomap.mapping.optimizer.slices import Slices, drained
+from topomap.mapping.optimizer.solver import solving
 from topomap.mapping.uncertainty.odometry_chain import turned_by
 
 # the calibration is left to full solves: the same stretch, solved again and again, would count many times over

@@ -69,7 +69,7 @@ def all_normalised(pictures: Float32Array) -> Float32Array:
     shape = (len(pictures), *([1] * (pictures.ndim - 1)))
     seen = deviation >= BLANK
     over = np.where(seen, deviation, 1.0).astype(np.float32).reshape(shape)
-    result = (pictures - mean.astype(np.float32).reshape(shape)) / over
+    result: Float32Array = (pictures - mean.astype(np.float32).reshape(shape)) / over
     result[~seen] = 0.0
     return result
 
@@ -234,7 +234,9 @@ def least_squared_differences(
     """
     rows, columns = pixels
     correlation = np.fft.irfft(all_products(stored, np.conj(spectra)), n=columns, axis=2)
-    return least_differences(theirs, own, correlation, np.float32(2.0 / (rows * columns)))
+    scale = np.float32(2.0 / (rows * columns))
+    found: tuple[FloatArray, IntArray] = least_differences(theirs, own, correlation, scale)
+    return found
 
 
 def parabola(below: FloatArray, here: FloatArray, above: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -84,7 +84,7 @@ def _shrunk_again(pictures: Float32Array, count: int) -> Float32Array:
     else:
         whole = pictures.reshape(count, high, columns)
         small = np.concatenate([cv2.resize(one, size, interpolation=cv2.INTER_AREA) for one in whole])
-    return _blurred(small.reshape(count, size[1], size[0]))
+    return _blurred(np.asarray(small, np.float32).reshape(count, size[1], size[0]))
 
 
 def _blurred(small: Float32Array) -> Float32Array:

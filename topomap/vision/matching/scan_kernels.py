@@ -188,7 +188,8 @@ def inverted(information: FloatArray, told: float, otherwise: float) -> FloatArr
     if count:
         kept = _without(directions, untold, count)
         values, directions = np.linalg.eigh(kept @ pairs @ kept)
-    return inverse_of(values, directions, scale, least, otherwise)
+    inverse: FloatArray = inverse_of(values, directions, scale, least, otherwise)
+    return inverse
 
 
 @njit(cache=True)

@@ -74,7 +74,8 @@ def match_scans(a: Float32Array, b: Float32Array, guess: FloatArray, surfaced: S
 @lru_cache(maxsize=32)
 def _surfaces(scan: bytes, flatness: float) -> tuple[FloatArray, FloatArray]:
     """Return the points and normals of a scan (W,) float64: one scan is laid over many, from several guesses each."""
-    return surfaces(np.frombuffer(scan).copy(), NEIGHBOURS, flatness)
+    found: tuple[FloatArray, FloatArray] = surfaces(np.frombuffer(scan).copy(), NEIGHBOURS, flatness)
+    return found
 
 
 UNMEASURED = 1e6  # the variance of a direction that too few pairs constrain, in pair variances
