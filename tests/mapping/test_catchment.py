@@ -10,7 +10,8 @@ import pytest
 from topomap.core.geometry import Pose2
 from topomap.mapping.closures.appearance import RIVAL_DISTANCE, apart
 from topomap.mapping.closures.claims import Claims
-from topomap.mapping.closures.closure_tests import Beside, Knowledge, Placed
+from topomap.mapping.closures.closure_tests import Knowledge
+from topomap.mapping.closures.spot_tests import Beside, Placed
 from topomap.mapping.places.catchment import Catchment, steps_back
 from topomap.mapping.places.contrast import FEWEST, Contrast
 

@@ -21,18 +21,7 @@ from topomap.mapping.closures import batch, noise, relative_pose
 from topomap.mapping.closures.appearance import FEW, RIVAL_DISTANCE, Appearance, Look, Outcome, _outcome, apart
 from topomap.mapping.closures.chance import probability
 from topomap.mapping.closures.claims import Claims
-from topomap.mapping.closures.closure_tests import (
-    TESTS,
-    Apart,
-    AtPlace,
-    Beside,
-    Crowding,
-    Knowledge,
-    Looks,
-    Odometry,
-    Placed,
-    Prevalence,
-)
+from topomap.mapping.closures.closure_tests import TESTS, Apart, Crowding, Knowledge, Looks, Odometry, Prevalence
 from topomap.mapping.closures.difference_rule import DifferenceRule, DifferenceRuleSettings
 from topomap.mapping.closures.engine import ClosureEngine
 from topomap.mapping.closures.gates import Gate, Supported
@@ -57,6 +46,7 @@ from topomap.mapping.closures.sight_tests import (
     Familiar,
     SameSpot,
 )
+from topomap.mapping.closures.spot_tests import AtPlace, Beside, Placed
 from topomap.mapping.closures.strain import _cells, _in_map_axes
 from topomap.mapping.closures.support import Support
 from topomap.mapping.closures.voting import ANGLE, DISTANCE, WITHIN, Voting

@@ -10,20 +10,11 @@ import pytest
 from topomap.core.arrays import FloatArray
 from topomap.core.geometry import Pose2, between
 from topomap.mapping.closures.claims import Claims
-from topomap.mapping.closures.closure_tests import (
-    CERTAIN,
-    TESTS,
-    Apart,
-    AtPlace,
-    Crowding,
-    Knowledge,
-    Looks,
-    Odometry,
-    Prevalence,
-)
+from topomap.mapping.closures.closure_tests import TESTS, Apart, Crowding, Knowledge, Looks, Odometry, Prevalence
 from topomap.mapping.closures.engine import ClosureEngine
 from topomap.mapping.closures.gates import Gate, Supported
 from topomap.mapping.closures.odds import log_chance, log_crowding, log_density, mahalanobis
+from topomap.mapping.closures.spot_tests import CERTAIN, AtPlace
 
 POSES = np.column_stack([np.random.default_rng(0).uniform(0, 20, (80, 2)), np.linspace(-3, 3, 80)])
 ERRORS = np.tile(np.diag([0.1, 0.1, 0.01]) ** 2, (3, 1, 1))

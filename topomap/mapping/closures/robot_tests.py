@@ -5,9 +5,10 @@ from __future__ import annotations
 from itertools import accumulate, pairwise
 from typing import NamedTuple
 
-from topomap.mapping.closures.closure_tests import AtPlace, Beside, ClosureTest, Looks, Placed
+from topomap.mapping.closures.closure_tests import ClosureTest, Looks
 from topomap.mapping.closures.gates import Gate, Supported
 from topomap.mapping.closures.sight_tests import BY_SIGHT, BY_SPOT, MOST_APART
+from topomap.mapping.closures.spot_tests import AtPlace, Beside, Placed
 
 GATE = 0.95  # share of true closures that odometry lets pass
 LIKELY = 0.5  # probability that a closure isn't false by definition, as sight and odometry together have it: of 43
