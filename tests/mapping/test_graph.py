@@ -114,3 +114,20 @@ def test_a_gap_is_seen_by_whoever_asked_for_the_odometry_before() -> None:
     after = {(a, b): way for a, b, way in topo.odometry_edges()}
     assert before[4, 5].covariances[-1, 0, 0] < 1.0
     assert after[4, 5].covariances[-1, 0, 0] > 1000.0
+
+
+def test_nodes_that_came_while_the_newest_ones_were_solved_go_along_with_them() -> None:
+    topo = square()
+    nodes = np.array(topo.chain[-4:])
+    moved = topo.poses[nodes] + np.array([0.3, -0.2, 0.1])
+    between = topo.insert(int(topo.nodes[nodes[-1]].stamp_ns) - 3 * STEP_NS)
+    ways = [topo.pose(a).to(topo.pose(b)).array() for a, b in ((int(nodes[-2]), between),)]
+    last = topo.nodes[topo.chain[-1]]
+    newest = topo.add(
+        Node(last.stamp_ns + 5 * STEP_NS, last.travel + 0.5, None), increments(last.stamp_ns // STEP_NS, 5)
+    )
+    after = topo.pose(int(nodes[-1])).to(topo.pose(newest)).array()
+    topo.shift(nodes, moved)
+    assert topo.poses[nodes] == pytest.approx(moved)
+    assert topo.pose(int(nodes[-2])).to(topo.pose(between)).array() == pytest.approx(ways[0])
+    assert topo.pose(int(nodes[-1])).to(topo.pose(newest)).array() == pytest.approx(after)

@@ -142,7 +142,7 @@ def columns(count: int, seed: int = 0, **changed: object) -> Columns:
     read = rng.normal(0.0, 0.3, count)
     rows = [MeasuredTurn(k, k + 1, float(r), 0.3 + 0.01 * k, 1e-4, 1.0, aligned=float(r) * 0.97 + 0.001, matched=float(r))
             for k, r in enumerate(read)]  # fmt: skip
-    return Columns.of(rows)._replace(**changed)
+    return Columns.of_rows(np.array([one.row() for one in rows], float))._replace(**changed)
 
 
 def test_lines_through_turns_are_as_before() -> None:

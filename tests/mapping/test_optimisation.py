@@ -84,3 +84,14 @@ def test_a_distance_scale_that_was_only_held_stays_as_unknown_as_before(monkeypa
     assert not covariance[:2, 2].any()
     assert covariance[0, 0] == pytest.approx(1e-4 + 1e-6)
     assert not optimisation.state.distance_scale.observed
+
+
+def test_what_is_given_up_is_never_applied(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("topomap.mapping.optimisation.LARGE", 2)
+    topo, optimisation, ledger = believed(Back([1.0, 0.0]), monkeypatch)
+    optimisation.update(7, ledger)
+    assert optimisation._running is not None
+    optimisation.abandon()
+    for stamp in range(8, 20):
+        assert optimisation.update(stamp, ledger) == (False, [])
+    assert len(topo.closures) == 2

@@ -10,7 +10,18 @@ from ring import edges_of, ring
 
 from topomap.core.errors import TopomapError
 from topomap.core.geometry import compose, wrap_all
-from topomap.mapping.optimizer import AxisEdge, Closures, Problem, Recent, TurnEdge, solve, solve_recent
+from topomap.mapping.optimizer import (
+    AxisEdge,
+    Closures,
+    Problem,
+    Recent,
+    Solution,
+    TurnEdge,
+    objective,
+    solve,
+    solve_recent,
+    solving,
+)
 
 
 def recent(problem: Problem, edges: int) -> Recent:
@@ -78,3 +89,24 @@ def test_what_nothing_shows_keeps_its_prior_however_long_the_chain(nodes: int) -
     problem = ring(0, nodes=nodes, length=nodes, closures=0).problem
     sigmas = np.sqrt(np.diag(solve(problem).calibration_covariance))
     assert np.allclose(sigmas, problem.prior_sigmas, rtol=1e-6)
+
+
+def test_a_large_solve_in_parts_of_a_step_finds_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    problem = ring(0, nodes=60, length=60, closures=6, false=0.3).problem
+    whole, few = counted(problem)
+    monkeypatch.setattr(objective, "LARGE", 10)
+    parts, many = counted(problem)
+    assert many > 2 * few
+    assert np.array_equal(whole.poses, parts.poses)
+    assert np.array_equal(whole.calibration_covariance, parts.calibration_covariance)
+
+
+def counted(problem: Problem) -> tuple[Solution, int]:
+    """Return a solution and how many slices it took."""
+    slices, count = solving(problem), 0
+    while True:
+        try:
+            next(slices)
+            count += 1
+        except StopIteration as end:
+            return end.value, count

@@ -13,7 +13,7 @@ from topomap.core.panorama import Panorama
 from topomap.core.rig import Rig
 from topomap.vision.image.scale_planes import WARPING, WarpingSpec, warping_view
 from topomap.vision.matching.warping import best, movements, warp
-from topomap.vision.matching.warping_kernels import scale_planes, warping_search
+from topomap.vision.matching.warping_kernels import scale_planes, warping_search, whole_search
 
 
 def test_planes_are_the_normalised_differences() -> None:
@@ -57,6 +57,9 @@ def test_search_is_the_sum_of_least_differences() -> None:
             choices = zip(table[0][x, : table[2][x]], table[1][x, : table[2][x]], strict=True)
             total += min(planes[s, i, (-(i + y - (p - 3))) % n] for y, s in choices)
         assert cost[alpha, p] == pytest.approx(total / n, rel=1e-5)
+    for first, width in ((-3, 5), (0, n), (40, 1)):
+        one_by_one = warping_search(turned, *table, np.arange(n), first, width)
+        assert np.array_equal(whole_search(turned, *table, first, width), one_by_one), "to the bit"
 
 
 def test_a_window_finds_what_the_whole_search_finds() -> None:

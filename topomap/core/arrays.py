@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
 Float32Array = NDArray[np.float32]
+Int32Array = NDArray[np.int32]
 IntArray = NDArray[np.int64]
 IndexArray = NDArray[np.intp]
 Int8Array = NDArray[np.int8]

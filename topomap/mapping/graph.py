@@ -136,8 +136,16 @@ class TopoMap:
         self.poses[rest] = moved
 
     def shift(self, nodes: IntArray, poses: FloatArray) -> None:
-        """Set the poses (n, 3) of some nodes (n,)."""
+        """Set the poses (n, 3) of some nodes (n,), in travel order and to what was the end of the chain.
+
+        Nodes that came since lie after them on the chain, or between them, as odometry has it.
+        """
         self.poses[nodes] = poses
+        known = set(nodes.tolist())
+        for before, node in pairwise(self.chain[self.chain.index(int(nodes[0])) :]):
+            if node not in known:
+                delta, _, _ = integrate(self._increments[before, node], self.calibration)
+                self.poses[node] = compose(self.poses[before], delta)
 
     def lean(self, node: int, roll: float, pitch: float) -> None:
         """Let a snapshot's camera have leant so [rad]. Raises ValueError for a node without one."""
@@ -183,10 +191,11 @@ class TopoMap:
     def edges_from(self, place: int) -> Iterator[tuple[int, int, Increments]]:
         """Yield (a, b, increments) along the chain from a place in it on, their covariances as judged."""
         for edge in pairwise(self.chain[place:]):
-            if edge not in self._judged:
+            judged = self._judged.get(edge)
+            if judged is None:
                 declared = self._increments[edge]
-                self._judged[edge] = declared if self.noise is AS_DECLARED else self.noise.judged(declared)
-            yield *edge, self._judged[edge]
+                judged = self._judged[edge] = declared if self.noise is AS_DECLARED else self.noise.judged(declared)
+            yield edge[0], edge[1], judged
 
     def way(self, a: int, b: int) -> Increments:
         """Return the increments as declared from node a to node b, which comes later on the chain and not long before

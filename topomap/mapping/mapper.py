@@ -184,6 +184,7 @@ class Mapper:
             return
         behind = self.map.chain[self.map.chain.index(gap) :]
         self._closing.withdraw(self._stamp_ns, set(behind))
+        self.optimisation.abandon()  # it would put back what is moved here
         self.map.place(gap, pose @ self.track.pose.to(self.map.pose(gap)))
         self.track.restart()
         self._closing.forget(self._stamp_ns)
@@ -277,9 +278,10 @@ class Mapper:
         if self.lost or self._gap is not None or not len(nodes):
             return
         apart = self._closing.apart
-        near = set(self._closing.within_reach(nodes).tolist())
+        far = np.ones(len(self.map.nodes), bool)
+        far[self._closing.within_reach(nodes)] = False
         away = np.hypot(*(self.map.poses[nodes, :2] - self.track.pose.array()[:2]).T)
-        elsewhere = nodes[[node not in near for node in nodes.tolist()] & (away > apart)]
+        elsewhere = nodes[far[nodes] & (away > apart)]
         self.recognition.learn_contrast(panorama, elsewhere, self.map.poses[elsewhere, :2], apart)
 
     def _remember(self, node: int, panorama: Panorama) -> None:

@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
-
-import numpy as np
 
 from topomap.core.arrays import FloatArray
 
@@ -32,6 +29,11 @@ class MeasuredTurn:
     aligned: float = math.nan
     matched: float = math.nan
 
+    def row(self) -> tuple[float, ...]:
+        """Return the fields of `Columns`, in their order."""
+        return (self.read, self.forward, self.variance, self.rolled,
+                self.scanned, self.scan_sigma, self.aligned, self.matched)  # fmt: skip
+
 
 class Columns(NamedTuple):
     """The fields of many measured turns, (n,) each."""
@@ -46,7 +48,6 @@ class Columns(NamedTuple):
     matched: FloatArray
 
     @staticmethod
-    def of(turns: Sequence[MeasuredTurn]) -> Columns:
-        """Return the turns' fields."""
-        rows = [[getattr(turn, name) for name in Columns._fields] for turn in turns]
-        return Columns(*np.array(rows, float).reshape(-1, len(Columns._fields)).T)
+    def of_rows(rows: FloatArray) -> Columns:
+        """Return the columns of turns' rows (n, 8)."""
+        return Columns(*rows.T)

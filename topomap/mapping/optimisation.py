@@ -24,10 +24,11 @@ from topomap.mapping.optimizer import (
     OdometryEdges,
     OptimizerSettings,
     Problem,
+    Recent,
     Slices,
     Solution,
-    solve_recent,
     solving,
+    solving_recent,
 )
 from topomap.mapping.optimizer.problem import PRIOR_SIGMAS
 from topomap.mapping.sequential import SequentialConstraints
@@ -55,9 +56,9 @@ class OptimisationSettings(BaseModel, frozen=True, extra="forbid"):
 class Optimisation:
     """Collects the evidence on the odometry's errors and solves for poses and calibration.
 
-    A small map is solved whole, within a step. Of a large one the newest stretch is; the whole is solved one
-    Gauss-Newton step a step, when it has grown by a share or a closure says something new, and the result applied then:
-    after a number of steps that depends on the map alone, so that a replay does the same.
+    A small map is solved whole, within a step. Of a large one the newest stretch is; the whole is, when it has grown by
+    a share or a closure says something new. Both are solved a slice a step, and the result applied then: after a number
+    of steps that depends on the map alone, so that a replay does the same.
     """
 
     def __init__(self, settings: OptimisationSettings, aligner: Aligner, topo: TopoMap) -> None:
@@ -68,6 +69,7 @@ class Optimisation:
         self._closures: list[tuple[ClosureEdge, Candidate]] = []
         self._covariance = np.diag(np.square(PRIOR_SIGMAS))
         self._running: Slices[Solution] | None = None
+        self._stretch: Slices[tuple[Recent, list[int]]] | None = None
         self._solved_nodes = self._whole_nodes = 0
         self._heard = 0
         self.solves = 0
@@ -87,14 +89,16 @@ class Optimisation:
 
     def update(self, stamp_ns: int, ledger: Ledger) -> tuple[bool, list[Decision]]:
         """Solve what is due; return whether the map was moved and which verdicts changed."""
-        if self._running is None and self._whole_due:
+        if self._running is None and self._stretch is None and self._whole_due:
             self._start()
             if self._large:
                 return False, []
         if self._running is not None:
             return self._advance(stamp_ns, ledger)
-        if self._stretch_due:
-            return self._solve_stretch(stamp_ns, ledger)
+        if self._stretch is None and self._stretch_due:
+            self._stretch = self._solving_stretch()
+        if self._stretch is not None:
+            return self._advance_stretch(stamp_ns, ledger)
         return False, []
 
     def believe(self, edge: ClosureEdge, candidate: Candidate) -> None:
@@ -131,6 +135,10 @@ class Optimisation:
         on_map = self._on_map
         return [(edge, candidate) for edge, candidate in self._closures if (edge.i, edge.j) in on_map]
 
+    def abandon(self) -> None:
+        """Give up what is being solved: the map isn't any more what it was asked of."""
+        self._running = self._stretch = None
+
     def disbelieve(self, stamp_ns: int, ledger: Ledger, behind: set[int], reason: str) -> list[Decision]:
         """Take back for good what joins nodes `behind` a gap with others: it was seen by one who was elsewhere."""
         kept, changed = [], []
@@ -143,12 +151,13 @@ class Optimisation:
                 self._map.remove(edge)
                 changed.append(ledger.decide(stamp_ns, candidate, Verdict.WITHDRAWN, reason))
         if len(kept) < len(self._closures):
-            self._running = None  # it was asked of closures that are no more
+            self.abandon()  # it was asked of closures that are no more
             self._closures = kept
         return changed
 
     def solve(self, stamp_ns: int, ledger: Ledger) -> tuple[bool, list[Decision]]:
         """Solve the whole map now; return whether it was moved and which verdicts changed."""
+        self.abandon()
         self._start()
         found = None
         while self._running is not None:
@@ -174,9 +183,17 @@ class Optimisation:
 
     def _start(self) -> None:
         self._solved_nodes = self._whole_nodes = len(self._map.nodes)
-        self._surprise, self._heard = 0.0, len(self._closures)
+        self._surprise = 0.0
+        self._running = self._solving_whole()
+
+    def _solving_whole(self) -> Slices[Solution]:
+        """Solve the whole map in slices."""
         self.sequential.weigh()
-        self._running = solving(self._problem(), BACKEND, self._doubted() if self._large else None)
+        yield
+        self._heard = len(self._closures)
+        problem, doubted = self._problem(), self._doubted() if self._large else None
+        yield
+        return (yield from solving(problem, BACKEND, doubted))
 
     def _doubted(self) -> BoolArray:
         """Return which closures (M,) the map does without."""
@@ -203,22 +220,34 @@ class Optimisation:
         self._map.move(solution.poses, solution.calibration)
         return True, self._review(stamp_ns, ledger, range(self._heard), solution.closure_weights)
 
-    def _solve_stretch(self, stamp_ns: int, ledger: Ledger) -> tuple[bool, list[Decision]]:
-        self.solves += 1
+    def _solving_stretch(self) -> Slices[tuple[Recent, list[int]]]:
+        """Solve the newest stretch in slices; return what was found and which of the closures it was asked of."""
         self._solved_nodes, self._surprise = len(self._map.nodes), 0.0
+        yield  # the step in which a node came has enough to do
         self.sequential.weigh()
+        yield
         edges = [OdometryEdge(*e) for e in self._map.edges_from(max(0, len(self._map.chain) - 1 - STRETCH))]
         ends = {edge.j for edge in edges}
         new = [k for k, (edge, _) in enumerate(self._closures) if edge.j in ends]
         closures = Closures.of([self._closures[k][0] for k in new])
         turns = self.sequential.turns[-STRETCH:]
-        found = solve_recent(self._map.poses, edges, closures, turns, self._map.calibration, BACKEND)
-        if not found.solution.improved:
-            return False, []
-        self._map.shift(found.nodes, found.solution.poses)
-        return True, self._review(
-            stamp_ns, ledger, [new[k] for k in found.heard.tolist()], found.solution.closure_weights
-        )
+        found = yield from solving_recent(self._map.poses, edges, closures, turns, self._map.calibration, BACKEND)
+        return found, [new[k] for k in found.heard.tolist()]
+
+    def _advance_stretch(self, stamp_ns: int, ledger: Ledger) -> tuple[bool, list[Decision]]:
+        """Do one slice of the newest stretch's solve; apply a better result at the end."""
+        assert self._stretch is not None
+        try:
+            next(self._stretch)
+        except StopIteration as end:
+            self._stretch = None
+            self.solves += 1
+            found, heard = end.value
+            if not found.solution.improved:
+                return False, []
+            self._map.shift(found.nodes, found.solution.poses)
+            return True, self._review(stamp_ns, ledger, heard, found.solution.closure_weights)
+        return False, []
 
     @property
     def covariance(self) -> FloatArray:

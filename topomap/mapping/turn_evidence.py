@@ -62,27 +62,45 @@ class TurnEvidence:
     """Collects measured turns and weighs all of them anew when asked."""
 
     def __init__(self) -> None:
-        self._turns: list[MeasuredTurn] = []
+        self._count = 0
+        self._ends: list[tuple[int, int]] = []
+        self._rows = np.zeros((64, len(Columns._fields)))
+        self._edges: list[TurnEdge | None] = []  # as weighed last, None for a turn that nothing measured
+        self._weighed = np.zeros((0, 2))  # the edges' turns and sigmas
 
     def add(self, turn: MeasuredTurn) -> None:
         """Take one more; the newest last."""
-        self._turns.append(turn)
+        if self._count == len(self._rows):
+            self._rows = np.concatenate([self._rows, np.zeros_like(self._rows)])
+        self._rows[self._count] = turn.row()
+        self._ends.append((turn.i, turn.j))
+        self._count += 1
 
     def __len__(self) -> int:
-        return len(self._turns)
+        return self._count
 
     def weigh(self) -> Weighed:
         """Return what each turn is worth by all that was measured so far."""
-        c = Columns.of(self._turns)
+        c = Columns.of_rows(self._rows[: self._count])
         seen = _seen(c)
         by_scan = np.isfinite(c.scanned)
         value, sigma = np.where(by_scan, c.scanned, seen.turns), np.where(by_scan, c.scan_sigma, seen.sigmas)
-        edges = tuple(
-            TurnEdge(turn.i, turn.j, float(v), float(s))
-            for turn, v, s in zip(self._turns, value, sigma, strict=True)
-            if math.isfinite(v)
+        return Weighed(
+            self._as_edges(np.column_stack([value, sigma])),
+            _told(c, line(c.scanned, c, 1.0), 0.0) or seen.odometer,
         )
-        return Weighed(edges, _told(c, line(c.scanned, c, 1.0), 0.0) or seen.odometer)
+
+    def _as_edges(self, weighed: FloatArray) -> tuple[TurnEdge, ...]:
+        """Return turns with sigmas (n, 2) as edges; those that say what they said before are the same objects."""
+        known = len(self._edges)
+        same = (weighed[:known].view(np.int64) == self._weighed.view(np.int64)).all(axis=1)
+        self._edges += [None] * (len(weighed) - known)
+        for k in [*np.flatnonzero(~same).tolist(), *range(known, len(weighed))]:
+            turn, sigma = weighed[k].tolist()
+            i, j = self._ends[k]
+            self._edges[k] = TurnEdge(i, j, turn, sigma) if math.isfinite(turn) else None
+        self._weighed = weighed
+        return tuple(edge for edge in self._edges if edge is not None)
 
 
 class Seen(NamedTuple):

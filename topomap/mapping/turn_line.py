@@ -12,6 +12,7 @@ from topomap.core.arrays import BoolArray, FloatArray
 from topomap.mapping.measured_turns import Columns
 from topomap.mapping.odometry.calibration import MAD_TO_SIGMA
 from topomap.mapping.optimizer.problem import PRIOR_SIGMAS
+from topomap.mapping.turn_kernels import middle_size, reweighted
 
 FEWEST = 12
 """Turns before their own scatter is believed: of twelve, a MAD errs by a third ..."""
@@ -108,8 +109,8 @@ def _fitted(values: FloatArray, design: FloatArray, expected: Sequence[float]) -
     prior, information = np.diag(1.0 / np.square(expected)), np.eye(design.shape[1])
     for _ in range(FIT_STEPS):
         left = values - design @ fit
-        scatter = max(MAD_TO_SIGMA * float(np.median(np.abs(left))), 1e-6)
-        weights = 1.0 / (1.0 + (left / (2.0 * scatter)) ** 2) ** 2
-        information = (design * weights[:, None]).T @ design + scatter**2 * prior
-        fit = np.asarray(np.linalg.solve(information, design.T @ (weights * values)))
+        scatter = max(MAD_TO_SIGMA * middle_size(left), 1e-6)
+        weighed, told = reweighted(left, values, design, scatter)
+        information = weighed.T @ design + scatter**2 * prior
+        fit = np.asarray(np.linalg.solve(information, design.T @ told))
     return Fitted(fit, scatter * np.sqrt(np.diag(np.linalg.inv(information))), scatter)

@@ -122,10 +122,13 @@ class Sight:
     def _clear(self, proposal: Proposal, outcome: Outcome) -> Clear:
         """Return what the images' differences alone tell."""
         match = outcome.winner.match
-        others = [value for node, value in proposal.older.items() if self._map.length(node, match.node) > self.apart]
-        if not others:
+        nodes = np.fromiter(proposal.older, np.int64, len(proposal.older))
+        values = np.fromiter(proposal.older.values(), float, len(proposal.older))
+        away = np.hypot(*(self._map.poses[nodes, :2] - self._map.poses[match.node, :2]).T)
+        others = values[away > self.apart]
+        if not len(others):
             return UNCLEAR
-        rival = min(others)
+        rival = float(others.min())
         looks = self._contrast.log_ratio(match.difference, rival)
         return Clear(match.difference / max(rival, 1e-9), looks) if looks > 0.0 else UNCLEAR
 

@@ -164,6 +164,14 @@ class EdgeIncrements:
         last = self.starts[count]
         return EdgeIncrements(self.deltas[:last], self.covariances[:last], self.starts[: count + 1])
 
+    def followed_by(self, other: EdgeIncrements) -> EdgeIncrements:
+        """Return these edges and then others."""
+        return EdgeIncrements(
+            np.concatenate([self.deltas, other.deltas]),
+            np.concatenate([self.covariances, other.covariances]),
+            np.concatenate([self.starts, self.starts[-1] + other.starts[1:]]),
+        )
+
     def integrate(self, calibration: Calibration) -> Preintegrated:
         """Integrate every edge with the calibration."""
         bend = calibration.curvature / calibration.distance_scale

@@ -13,8 +13,9 @@ from topomap.mapping.optimizer.problem import (
 )
 from topomap.mapping.optimizer.relative_edges import RelativeEdges, relative_edges
 from topomap.mapping.optimizer.settings import OptimizerSettings
-from topomap.mapping.optimizer.solver import Slices, solve, solving
-from topomap.mapping.optimizer.window import Recent, solve_recent
+from topomap.mapping.optimizer.slices import Slices
+from topomap.mapping.optimizer.solver import solve, solving
+from topomap.mapping.optimizer.window import Recent, solve_recent, solving_recent
 
 __all__ = [
     "AxisEdge",
@@ -34,4 +35,5 @@ __all__ = [
     "solve",
     "solve_recent",
     "solving",
+    "solving_recent",
 ]

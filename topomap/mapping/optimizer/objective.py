@@ -20,10 +20,12 @@ from topomap.mapping.optimizer.residuals import (
     odometry_residuals,
     turn_residuals,
 )
+from topomap.mapping.optimizer.slices import Slices, drained
 from topomap.mapping.uncertainty.odometry_chain import Chain
 
 WEIGHTLESS = 1e-6  # a closure with less weight is left out of the system
 FIRM = 1e-5  # prior sigmas up to which a calibration is held
+LARGE = 500  # nodes from which on a Gauss-Newton step is more than fits into a robot's step: 40 ms at 2,400
 LARGEST_STEP = np.array([0.1, 0.02, 0.1])  # of the calibration: keeps the linearisation honest
 
 
@@ -162,6 +164,10 @@ class Objective:
 
     def system(self, at: Linearised, weights: FloatArray) -> LinearSystem:
         """Return the linear system with closure weights (M,), in poses that the calibration carries along."""
+        return drained(self.building(at, weights))
+
+    def building(self, at: Linearised, weights: FloatArray) -> Slices[LinearSystem]:
+        """Do what `system` does; of a large graph in slices."""
         used = weights > WEIGHTLESS
         closures = with_calibration(at.closures.among(used), at.calibration_jacobian)
         inside, across = [], []
@@ -172,14 +178,20 @@ class Objective:
             faded = with_calibration(blocks, at.calibration_jacobian).weighted(geman_mcclure(blocks.chi2(), cutoff))
             inside.append(faded.among(on_edge))
             across.append(faded.among(~on_edge))
-        system = LinearSystem(
-            len(self.problem.poses), self.problem.anchor, self._condensed(at.odometry, inside, [*across, closures])
-        )
+        condensed = self._condensed(at.odometry, inside, [*across, closures])
+        yield from self.pause()
+        system = LinearSystem(len(self.problem.poses), self.problem.anchor, condensed)
+        yield from self.pause()
         system.add_calibration_prior(at.prior, self._sigmas)
         for blocks in across:
             system.add(blocks)
         system.add(closures.weighted(weights[used]))
         return system
+
+    def pause(self) -> Slices[None]:
+        """End a slice where the graph is large."""
+        if len(self.problem.poses) > LARGE:
+            yield
 
     def _condensed(self, odometry: Residuals, inside: list[Residuals], across: list[Residuals]) -> Condensed | None:
         """Return the chain without the nodes that only its own edges touch; the anchor stays."""
@@ -193,7 +205,14 @@ class Objective:
 
     def step(self, state: State, at: Linearised, weights: FloatArray) -> tuple[State, Linearised, float]:
         """Return the state after a Gauss-Newton step, halved while that is worse, and its largest move."""
-        own, calibration = self.system(at, weights).solve()
+        return drained(self.stepping(state, at, weights))
+
+    def stepping(self, state: State, at: Linearised, weights: FloatArray) -> Slices[tuple[State, Linearised, float]]:
+        """Do what `step` does; of a large graph in slices."""
+        system = yield from self.building(at, weights)
+        yield from self.pause()
+        own, calibration = system.solve()
+        yield from self.pause()
         poses = own + at.calibration_jacobian @ calibration
         before = self.error(at, weights)
         longest = 1.0 / max(1.0, float((np.abs(calibration) / LARGEST_STEP).max()))
@@ -203,6 +222,7 @@ class Objective:
             there = self.linearise(moved)
             if self.error(there, weights) <= before * (1 + 1e-9) + 1e-9:
                 return moved, there, float(np.abs(poses).max()) * length
+            yield from self.pause()
         return state, at, 0.0
 
 

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
-from typing import TypeVar
-
 import numpy as np
 
 from topomap.core.arrays import BoolArray, FloatArray
@@ -13,9 +10,8 @@ from topomap.mapping.optimizer.gnc import Schedule, Weighing
 from topomap.mapping.optimizer.objective import Linearised, Objective, State
 from topomap.mapping.optimizer.problem import Problem, Solution
 from topomap.mapping.optimizer.settings import OptimizerSettings
+from topomap.mapping.optimizer.slices import Slices, drained
 
-T = TypeVar("T")
-Slices = Generator[None, None, T]
 End = tuple[State, Linearised, int]
 """Where a way ended, and after how many steps."""
 
@@ -28,19 +24,15 @@ def solve(problem: Problem, settings: OptimizerSettings | None = None) -> Soluti
     out and those that are in don't support one another: a single one that fits among many that don't fits by chance.
     Raises TopomapError for an undetermined graph.
     """
-    slices = solving(problem, settings)
-    while True:
-        try:
-            next(slices)
-        except StopIteration as end:
-            solution: Solution = end.value
-            return solution
+    return drained(solving(problem, settings))
 
 
 def solving(
     problem: Problem, settings: OptimizerSettings | None = None, doubted: BoolArray | None = None
 ) -> Slices[Solution]:
-    """Do what `solve` does, at most one Gauss-Newton step a slice: whoever has other work does it in between.
+    """Do what `solve` does, at most one Gauss-Newton step a slice, of a large graph a part of one.
+
+    Whoever has other work does it in between.
 
     doubted (M,): closures that were out when the start was found. Where all others fit the start nothing is annealed.
     """
@@ -57,7 +49,11 @@ def solving(
         state, at = start, at_start
     yield
     weights = inliers(graph, at, chosen.cutoff)
-    covariance = graph.held if graph.held is not None else graph.system(at, weights).covariance()
+    covariance = graph.held
+    if covariance is None:
+        system = yield from graph.building(at, weights)
+        yield from graph.pause()
+        covariance = system.covariance()
     return Solution(state.poses, state.calibration, covariance, weights, before, after, iterations, improved)
 
 
@@ -118,7 +114,7 @@ def _anneal(graph: Objective, state: State, at: Linearised, schedule: Weighing, 
         if bool(inliers(graph, at, cutoff).all()):
             break
         yield
-        state, at, _ = graph.step(state, at, weigh(state.poses))
+        state, at, _ = yield from graph.stepping(state, at, weigh(state.poses))
         steps += 1
     return state, at, steps
 
@@ -126,7 +122,7 @@ def _anneal(graph: Objective, state: State, at: Linearised, schedule: Weighing, 
 def _settle(graph: Objective, state: State, at: Linearised, settings: OptimizerSettings, done: int) -> Slices[End]:
     for iteration in range(settings.iterations):
         yield
-        state, at, move = graph.step(state, at, inliers(graph, at, settings.cutoff))
+        state, at, move = yield from graph.stepping(state, at, inliers(graph, at, settings.cutoff))
         if move < settings.tolerance:
             return state, at, done + iteration + 1
     return state, at, done + settings.iterations

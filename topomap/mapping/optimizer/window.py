@@ -20,7 +20,8 @@ from topomap.mapping.optimizer.problem import (
     TurnEdge,
 )
 from topomap.mapping.optimizer.settings import OptimizerSettings
-from topomap.mapping.optimizer.solver import solve
+from topomap.mapping.optimizer.slices import Slices, drained
+from topomap.mapping.optimizer.solver import solving
 from topomap.mapping.uncertainty.odometry_chain import turned_by
 
 # the calibration is left to full solves: the same stretch, solved again and again, would count many times over
@@ -48,6 +49,18 @@ def solve_recent(
     poses (N, 3) of the whole map: those of all other nodes stay, and the first of these nodes is held. Closures are
     used whose newer end is among these nodes, whether or not the older one is. Raises TopomapError.
     """
+    return drained(solving_recent(poses, odometry, closures, turns, calibration, settings))
+
+
+def solving_recent(
+    poses: FloatArray,
+    odometry: Sequence[OdometryEdge],
+    closures: Closures,
+    turns: Sequence[TurnEdge],
+    calibration: Calibration,
+    settings: OptimizerSettings | None = None,
+) -> Slices[Recent]:
+    """Do what `solve_recent` does, a slice at a time; poses are read in the first one alone."""
     nodes = np.array([odometry[0].i, *(edge.j for edge in odometry)], np.int64)
     place = np.full(len(poses), -1)
     place[nodes] = np.arange(len(nodes))
@@ -65,7 +78,9 @@ def solve_recent(
         calibration,
         HELD,
     )
-    return Recent(nodes, heard, solve(problem, settings))
+    yield
+    solution = yield from solving(problem, settings)
+    return Recent(nodes, heard, solution)
 
 
 def _hung(poses: FloatArray, anchor: int, place: IntArray, closures: Closures) -> Closures:

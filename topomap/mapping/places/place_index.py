@@ -7,12 +7,16 @@ exactly.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-
 import numpy as np
 
 from topomap.core.arrays import Complex64Array, Float32Array, FloatArray, IntArray
-from topomap.vision.image.compare import RotationDifferences, Signature, rotation_differences, squared_differences
+from topomap.vision.image.compare import (
+    RotationDifferences,
+    Signature,
+    chosen_differences,
+    least_squared_differences,
+)
+from topomap.vision.image.surroundings import Surroundings
 from topomap.vision.matching.spectra_kernels import spectra_powers
 
 FREQUENCIES = 16
@@ -60,14 +64,17 @@ class PlaceIndex:
         """Return the differences to some stored views (n,)."""
         if not len(places):
             return RotationDifferences(np.zeros(0, np.float32), np.zeros(0))
-        return rotation_differences(view, self._spectra[places], self._powers[places])
+        return next(chosen_differences(view, self._spectra, self._powers, [places]))
 
-    def curves(self, views: Sequence[Signature], places: IntArray) -> Iterator[FloatArray]:
-        """Return, for each view, the mean squared differences (n, C) to some stored ones, the view rolled by 0, 1, ..
-        C-1 columns.
+    def least(self, around: Surroundings, places: IntArray) -> tuple[FloatArray, IntArray]:
+        """Return the least mean squared differences (n, C) to some stored views, of all points around, the view rolled
+        by 0, 1, .. C-1 columns, and which point it was (n, C).
         """
-        spectra, powers = self._spectra[places], self._powers[places]
-        return (squared_differences(view, spectra, powers) for view in views)
+        pixels = around.views[0].pixels.shape
+        rows, columns = int(pixels[0]), int(pixels[1])
+        return least_squared_differences(
+            (rows, columns), around.spectra, around.powers, self._spectra[places], self._powers[places]
+        )
 
     def search(self, view: Signature, count: int, first: int | None = None) -> tuple[IntArray, RotationDifferences]:
         """Return the `count` views most like this one among [0, first), by default all, best first.
@@ -90,12 +97,13 @@ class PlaceIndex:
         """Return the differences to the first views of `order`: to so many that no later one can be among the best."""
         least = np.sqrt(np.maximum(2.0 - 2.0 * likeness.astype(float), 0.0))
         difference, rotation = np.empty(len(order), np.float32), np.empty(len(order))
-        for start in range(0, len(order), BLOCK):
+        starts = range(0, len(order), BLOCK)
+        blocks = chosen_differences(view, self._spectra, self._powers, (order[k : k + BLOCK] for k in starts))
+        for start in starts:
             if start >= count and least[start] > np.partition(difference[:start], count - 1)[count - 1]:
                 return RotationDifferences(difference[:start], rotation[:start])
-            block = slice(start, start + BLOCK)
-            found = self.compare(view, order[block])
-            difference[block], rotation[block] = found.difference, found.rotation
+            found = next(blocks)
+            difference[start : start + BLOCK], rotation[start : start + BLOCK] = found.difference, found.rotation
         return RotationDifferences(difference, rotation)
 
 

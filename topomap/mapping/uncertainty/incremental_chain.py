@@ -6,7 +6,7 @@ import numpy as np
 
 from topomap.core.arrays import FloatArray, IntArray
 from topomap.mapping.graph import TopoMap
-from topomap.mapping.odometry.increments import Calibration, EdgeIncrements
+from topomap.mapping.odometry.increments import Calibration, EdgeIncrements, Increments
 from topomap.mapping.optimizer import TurnEdge
 from topomap.mapping.uncertainty.odometry_chain import Chain
 
@@ -26,6 +26,8 @@ class IncrementalChain:
         self._nodes: IntArray = np.zeros(0, np.int64)
         self._calibration = Calibration()
         self._chain: Chain | None = None
+        self._parts: list[Increments] = []  # of which the whole way was made last
+        self._whole = EdgeIncrements.of([])
 
     def current(self, covariance: FloatArray) -> Chain:
         """Return the chain as the map stands; covariance (3, 3): of the calibration."""
@@ -38,13 +40,23 @@ class IncrementalChain:
         nodes = np.array(self._map.chain, np.int64)
         poses = self._map.poses[nodes]
         same = self._unchanged(nodes, poses)
-        new = [increments for _, _, increments in self._map.edges_from(max(same - 1, 0))]
-        edges = EdgeIncrements.of(new).integrate(self._map.calibration)
+        edges = self._edges_from(max(same - 1, 0)).integrate(self._map.calibration)
         head = None if self._chain is None or not same else self._chain.head(same)
         variances = self._turn_variances(nodes[max(same, 1) :], edges.covariance[:, 2, 2])
         self._chain = Chain.of(poses, edges, self._map.calibration, covariance, head, variances)
         self._nodes, self._calibration = nodes, self._map.calibration
         return self._chain
+
+    def _edges_from(self, place: int) -> EdgeIncrements:
+        """Return the increments along the chain from a place in it on; what is known of the whole is kept."""
+        parts = [increments for _, _, increments in self._map.edges_from(place)]
+        if place:
+            return EdgeIncrements.of(parts)
+        known = next((k for k, (a, b) in enumerate(zip(self._parts, parts, strict=False)) if a is not b),
+                     min(len(self._parts), len(parts)))  # fmt: skip
+        self._whole = self._whole.first(known).followed_by(EdgeIncrements.of(parts[known:]))
+        self._parts = parts
+        return self._whole
 
     def _unchanged(self, nodes: IntArray, poses: FloatArray) -> int:
         """Return how many nodes at the chain's start are as they were, the last of them a snapshot."""
@@ -63,11 +75,16 @@ class IncrementalChain:
         A turn between two snapshots is shared among the edges between them by odometry's noise (E,) on them.
         """
         variances = np.full(len(ends), np.inf)
-        first = 0
-        for place, node in enumerate(ends.tolist()):
-            if self._map.nodes[node].snapshot is not None:
-                span = slice(first, place + 1)
-                variance = self._variances.get(node, np.inf)
-                variances[span] = np.maximum(variance * noise[span] / max(float(noise[span].sum()), 1e-18), 1e-12)
-                first = place + 1
+        held = self._map.nodes
+        places = np.flatnonzero([held[node].snapshot is not None for node in ends.tolist()])
+        first = np.concatenate([[0], places[:-1] + 1]) if len(places) else places
+        told = np.array([self._variances.get(node, np.inf) for node in ends[places].tolist()])
+        for k in np.flatnonzero(places - first > 1).tolist():
+            span = slice(int(first[k]), int(places[k]) + 1)
+            variances[span] = np.maximum(told[k] * noise[span] / max(float(noise[span].sum()), 1e-18), 1e-12)
+        one, two = first == places, first + 1 == places  # most are: all at once
+        sums = np.where(two, noise[first], 0.0) + noise[places]
+        for which, ends_at in ((one | two, places), (two, first)):
+            at = ends_at[which]
+            variances[at] = np.maximum(told[which] * noise[at] / np.maximum(sums[which], 1e-18), 1e-12)
         return variances

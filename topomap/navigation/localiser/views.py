@@ -91,7 +91,7 @@ class Seen:
 def usual(view: Surroundings, recognition: Recognition, first: int) -> Usual:
     """Return how unlike the view is to places of the map, told by a sample of the first ones."""
     sample = np.arange(0, first, max(1, first // SAMPLE))
-    lowest = np.sqrt(np.maximum(_least(view, recognition, sample)[0].min(axis=1), 0.0))
+    lowest = np.sqrt(np.maximum(recognition.index.least(view, sample)[0].min(axis=1), 0.0))
     difference = max(float(np.median(lowest)), 1e-6)
     return Usual(difference, lowest / difference)
 
@@ -102,16 +102,5 @@ def look(
     """Compare a view with the wanted places (k,) and with the `count` most like it, all among the first ones."""
     likely, _ = recognition.index.search(view.views[0], count, first) if count else (np.zeros(0, np.int64), None)
     places = np.unique(np.concatenate([likely, wanted[wanted < first]]))
-    squares, which = _least(view, recognition, places)
+    squares, which = recognition.index.least(view, places)
     return Seen(places, squares, which, view.points, usually)
-
-
-def _least(view: Surroundings, recognition: Recognition, places: IntArray) -> tuple[FloatArray, IntArray]:
-    """Return the least squared differences (k, C) of all points around, and which point it was (k, C)."""
-    curves = recognition.index.curves(view.views, places)
-    squares = next(curves)
-    which = np.zeros(squares.shape, np.int64)
-    for point, other in enumerate(curves, start=1):
-        less = other < squares
-        squares[less], which[less] = other[less], point
-    return squares, which

@@ -6,16 +6,24 @@ The scale of every `rms` here: 0 for the same view, sqrt(2) = 1.4 for unrelated 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import cv2
 import numpy as np
 
-from topomap.core.arrays import Complex64Array, Float32Array, FloatArray
+from topomap.core.arrays import Complex64Array, Float32Array, FloatArray, IntArray
 from topomap.core.errors import ShapeError
 from topomap.core.geometry import TAU, wrap, wrap_all
 from topomap.core.panorama import Panorama
-from topomap.vision.matching.spectra_kernels import spectra_powers, spectra_products
+from topomap.vision.matching.spectra_kernels import (
+    all_products,
+    chosen_products,
+    least_differences,
+    lowest_points,
+    spectra_powers,
+    spectra_products,
+)
 
 BLANK = 1e-3
 """Standard deviation in grey values below which a picture holds nothing; it is then all zeros."""
@@ -51,6 +59,19 @@ def normalised(pixels: Float32Array) -> Float32Array:
     if deviation < BLANK:
         return np.zeros_like(pixels)
     return ((pixels - np.float32(pixels.mean(dtype=np.float64))) / np.float32(deviation)).astype(np.float32)
+
+
+def all_normalised(pictures: Float32Array) -> Float32Array:
+    """Return pictures (D, R, C), each as `normalised` makes it, to the bit."""
+    values = pictures.reshape(len(pictures), -1).astype(np.float64)
+    mean = values.mean(axis=1, keepdims=True)
+    deviation = np.sqrt(np.square(values - mean).mean(axis=1))
+    shape = (len(pictures), *([1] * (pictures.ndim - 1)))
+    seen = deviation >= BLANK
+    over = np.where(seen, deviation, 1.0).astype(np.float32).reshape(shape)
+    result: Float32Array = (pictures - mean.astype(np.float32).reshape(shape)) / over
+    result[~seen] = 0.0
+    return result
 
 
 def shrunk(panorama: Panorama, columns: int, rows: int, blur: float = 0.0, colour: bool = False) -> Float32Array:
@@ -156,13 +177,30 @@ def rotation_differences(
     """
     if spectra.shape[1:] != current.spectrum.shape:
         raise ShapeError(f"stored spectra are {spectra.shape[1:]}, the signature's is {current.spectrum.shape}")
-    squares = squared_differences(current, spectra, powers)
-    best = squares.argmin(axis=1)
-    rows, columns = np.arange(len(best)), squares.shape[1]
-    below, here, above = (squares[rows, (best + step) % columns] for step in (-1, 0, 1))
-    offset, low = parabola(below, here, above)
-    rotation = wrap_all((best + offset) * (TAU / columns))
+    theirs = spectra_powers(spectra, current.pixels.shape[1]) if powers is None else powers
+    return _rotated(current, spectra_products(spectra, np.conj(current.spectrum)), theirs, _power(current))
+
+
+def chosen_differences(
+    current: Signature, spectra: Complex64Array, powers: FloatArray, blocks: Iterable[IntArray]
+) -> Iterator[RotationDifferences]:
+    """Compare as `rotation_differences` does with some blocks (n,) of stored spectra (N, R, C//2 + 1), one by one."""
+    own, conjugate = _power(current), np.conj(current.spectrum)
+    for block in blocks:
+        yield _rotated(current, chosen_products(spectra, block, conjugate), powers[block], own)
+
+
+def _rotated(current: Signature, products: Complex64Array, theirs: FloatArray, own: float) -> RotationDifferences:
+    """Return the differences by the products (N, C//2 + 1) of spectra, and powers theirs (N,) and own."""
+    rows, columns = current.pixels.shape
+    correlation = np.fft.irfft(products, n=columns, axis=1)
+    where, low = lowest_points(theirs, own, correlation, np.float32(2.0 / (rows * columns)))
+    rotation = wrap_all(where * (TAU / columns))
     return RotationDifferences(np.sqrt(np.maximum(low, 0.0)).astype(np.float32), rotation)
+
+
+def _power(current: Signature) -> float:
+    return float(np.square(current.pixels, dtype=np.float64).mean())
 
 
 def squared_differences(current: Signature, spectra: Complex64Array, powers: FloatArray | None = None) -> FloatArray:
@@ -174,10 +212,31 @@ def squared_differences(current: Signature, spectra: Complex64Array, powers: Flo
     rows, columns = current.pixels.shape
     products = spectra_products(spectra, np.conj(current.spectrum))
     theirs = spectra_powers(spectra, columns) if powers is None else powers
-    own = float(np.square(current.pixels, dtype=np.float64).mean())
     correlation = np.fft.irfft(products, n=columns, axis=1)
-    result: FloatArray = theirs[:, np.newaxis] + own - (2.0 / (rows * columns)) * correlation
+    result: FloatArray = theirs[:, np.newaxis] + _power(current) - (2.0 / (rows * columns)) * correlation
     return result
+
+
+def powers(pixels: Float32Array) -> FloatArray:
+    """Return the mean squares (D,) of the pixels (D, R, C) of views: 1 but for rounding, 0 for blank ones."""
+    squares: FloatArray = np.square(pixels.reshape(len(pixels), -1), dtype=np.float64)
+    return np.asarray(squares.mean(axis=1))
+
+
+def least_squared_differences(
+    pixels: tuple[int, int], spectra: Complex64Array, own: FloatArray, stored: Complex64Array, theirs: FloatArray
+) -> tuple[FloatArray, IntArray]:
+    """Return the least of the squared differences (N, C) of N stored views to D others, and whose it is (N, C): what
+    `squared_differences` returns for one after the other, to the bit.
+
+    pixels: rows and columns of a view; spectra (D, R, C//2 + 1) with powers own (D,), stored (N, R, C//2 + 1) with
+    powers theirs (N,).
+    """
+    rows, columns = pixels
+    correlation = np.fft.irfft(all_products(stored, np.conj(spectra)), n=columns, axis=2)
+    scale = np.float32(2.0 / (rows * columns))
+    found: tuple[FloatArray, IntArray] = least_differences(theirs, own, correlation, scale)
+    return found
 
 
 def parabola(below: FloatArray, here: FloatArray, above: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -9,6 +9,7 @@ from topomap.core.arrays import Float32Array, FloatArray, Image
 from topomap.core.geometry import TAU, wrap_all
 from topomap.core.panorama import Panorama
 from topomap.vision.image.distances import Source, distances
+from topomap.vision.matching.flow_kernels import between
 
 MIDDLING = 2.5
 """The distance [m] of what was neither measured nor seen to stand on the floor: the way to a room's walls."""
@@ -43,20 +44,8 @@ def flow(far: FloatArray, first: float, points: FloatArray, rounds: int = ROUNDS
     moved, nearer = wrap_all(np.arctan2(north, east) - bearings), np.hypot(east, north) / reach
     origin = np.broadcast_to(bearings, moved.shape)
     for _ in range(rounds):  # the bearing that moves to each column's
-        origin = bearings - _between(moved, origin - first)
-    return origin, _between(nearer, origin - first)
-
-
-def _between(values: FloatArray, angles: FloatArray) -> FloatArray:
-    """Return values (D, n), given evenly all round from angle 0, at angles (D, n) [rad], linearly."""
-    count = values.shape[1]
-    place = angles * (count / TAU)
-    low = np.floor(place)
-    share = place - low
-    left = low.astype(np.int64) % count
-    here, there = np.take_along_axis(values, left, axis=1), np.take_along_axis(values, (left + 1) % count, axis=1)
-    result: FloatArray = here + share * (there - here)
-    return result
+        origin = bearings - between(moved, origin - first)
+    return origin, between(nearer, origin - first)
 
 
 def distances_or_middling(panorama: Panorama) -> FloatArray:

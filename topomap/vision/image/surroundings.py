@@ -10,8 +10,9 @@ import numpy as np
 from topomap.core.arrays import Complex64Array, Float32Array, FloatArray
 from topomap.core.geometry import TAU
 from topomap.core.panorama import Panorama
-from topomap.vision.image.compare import PLACE, Signature, normalised, shrunk
+from topomap.vision.image.compare import PLACE, Signature, all_normalised, powers, shrunk
 from topomap.vision.image.displaced import distances_or_middling, flow
+from topomap.vision.matching.flow_kernels import pixel_maps
 
 FINER = 2
 """Columns and rows of the picture that is displaced, to one of the small view: more gain nothing."""
@@ -28,12 +29,13 @@ from half a step off differs as little as one taken again."""
 class Surroundings:
     """Points (D, 2) [m], ahead and to the left of the robot, and the view predicted from each, looking the same way.
 
-    spectra (D, R, C//2 + 1) complex64: all the views' in one.
+    spectra (D, R, C//2 + 1) complex64: all the views' in one; powers (D,): their pixels' mean squares.
     """
 
     points: FloatArray
     views: tuple[Signature, ...]
     spectra: Complex64Array
+    powers: FloatArray
 
 
 def surroundings(panorama: Panorama) -> Surroundings:
@@ -47,12 +49,13 @@ def _surroundings(panorama: Panorama) -> Surroundings:
     points = points[np.argsort(np.hypot(points[:, 0], points[:, 1]), kind="stable")]
     pixels = predicted(panorama, points)
     spectra: Complex64Array = np.fft.rfft(pixels, axis=2).astype(np.complex64)
-    return Surroundings(points, tuple(Signature(*one) for one in zip(pixels, spectra, strict=True)), spectra)
+    views = tuple(Signature(*one) for one in zip(pixels, spectra, strict=True))
+    return Surroundings(points, views, spectra, powers(pixels))
 
 
 def predicted(panorama: Panorama, points: FloatArray) -> Float32Array:
     """Return the pixels (D, R, C) of the small views predicted from points (D, 2) [m], ahead and to the left."""
-    return np.stack([normalised(one) for one in _shrunk_again(_displaced(panorama, points), len(points))])
+    return all_normalised(_shrunk_again(_displaced(panorama, points), len(points)))
 
 
 def _displaced(panorama: Panorama, points: FloatArray) -> Float32Array:
@@ -65,27 +68,33 @@ def _displaced(panorama: Panorama, points: FloatArray) -> Float32Array:
     whole = np.arange(rig.width) * (TAU / rig.width)
     far = np.interp(bearings, whole, distances_or_middling(panorama), period=TAU)
     horizon = (rig.horizon_row + 0.5) / high - 0.5
-    below = np.arange(rows)[:, np.newaxis] - horizon
     origin, growth = flow(far, float(bearings[0]), points, ROUNDS)
     across = ((origin * (rig.width / TAU) + 0.5) / wide - 0.5) % columns
-    down = horizon + below * growth[:, np.newaxis, :]
     ring = np.concatenate([small, small[:, :1]], axis=1)
-    x = np.repeat(across.astype(np.float32), rows, axis=0)
-    y = down.reshape(-1, columns).astype(np.float32)
+    x, y = pixel_maps(across, growth, rows, horizon)
     return np.asarray(cv2.remap(ring, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE), np.float32)
 
 
 def _shrunk_again(pictures: Float32Array, count: int) -> Float32Array:
     """Return (D, R, C) small views of the pictures (D R', C'), blurred as a place's signature is."""
     high, columns = len(pictures) // count, pictures.shape[1]
-    rows = min(PLACE.rows, high)
-    whole = pictures.reshape(count, high, columns)
-    return np.stack([_one(one, (min(PLACE.columns, columns), rows)) for one in whole])
+    size = (min(PLACE.columns, columns), min(PLACE.rows, high))
+    if (columns, high) == (FINER * size[0], FINER * size[1]):  # no pixel of two pictures: all are shrunk in one
+        small = cv2.resize(pictures, (size[0], count * size[1]), interpolation=cv2.INTER_AREA)
+    else:
+        whole = pictures.reshape(count, high, columns)
+        small = np.concatenate([cv2.resize(one, size, interpolation=cv2.INTER_AREA) for one in whole])
+    return _blurred(np.asarray(small, np.float32).reshape(count, size[1], size[0]))
 
 
-def _one(picture: Float32Array, size: tuple[int, int]) -> Float32Array:
-    small = cv2.resize(picture, size, interpolation=cv2.INTER_AREA)
-    pad = min(int(np.ceil(4 * PLACE.blur)), size[0])
-    wrapped = cv2.copyMakeBorder(small, 0, 0, pad, pad, cv2.BORDER_WRAP)
+def _blurred(small: Float32Array) -> Float32Array:
+    """Return pictures (D, R, C) blurred: round the circle, and with their first and last rows repeated."""
+    count, rows, columns = small.shape
+    reach = int(np.ceil(4 * PLACE.blur))
+    pad = min(reach, columns)
+    apart = np.clip(np.arange(-reach, rows + reach), 0, rows - 1)
+    tall = np.ascontiguousarray(small[:, apart]).reshape(-1, columns)
+    wrapped = cv2.copyMakeBorder(tall, 0, 0, pad, pad, cv2.BORDER_WRAP)
     blurred = cv2.GaussianBlur(wrapped, (0, 0), PLACE.blur, borderType=cv2.BORDER_REPLICATE)
-    return np.asarray(blurred[:, pad : pad + size[0]], np.float32)
+    each = blurred.reshape(count, len(apart), columns + 2 * pad)
+    return np.ascontiguousarray(each[:, reach : reach + rows, pad : pad + columns], np.float32)

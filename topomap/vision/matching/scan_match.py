@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 
 import numpy as np
 
 from topomap.core.arrays import Float32Array, FloatArray
-from topomap.core.geometry import wrap
-from topomap.vision.matching.scan_kernels import in_pairs, inverse_of, normal_equations, surfaces
+from topomap.vision.matching.scan_kernels import inverted, laid_over, surfaces
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,50 +59,28 @@ def match_scans(a: Float32Array, b: Float32Array, guess: FloatArray, surfaced: S
     Returns None where too few rays find a partner.
     """
     s = surfaced
-    points, normals = surfaces(a.astype(float), NEIGHBOURS, s.flatness)
-    moved, moved_normals = surfaces(b.astype(float), NEIGHBOURS, s.flatness)
-    pose = np.array(guess, float)
-    for cutoff in _cutoffs(s.widest, s.narrowest):
-        information, gradient, error, used = normal_equations(
-            points, normals, moved, moved_normals, pose, cutoff, WINDOW
-        )
-        if used < s.min_share * len(a):
-            return None
-        pose -= _inverse(information) @ gradient
-        pose[2] = wrap(float(pose[2]))
+    points, normals = _surfaces(a.astype(float).tobytes(), s.flatness)
+    moved, moved_normals = _surfaces(b.astype(float).tobytes(), s.flatness)
+    pose, information, error, used = laid_over(
+        points, normals, moved, moved_normals, np.array(guess, float), _cutoffs(s.widest, s.narrowest), WINDOW, TOLD,
+        s.min_share * len(a),
+    )  # fmt: skip
+    if used < 0:
+        return None
     variance = max(s.sigma**2, error / used)
-    return ScanMatch(pose, variance * _inverse(information, UNMEASURED), used / len(a))
+    return ScanMatch(pose, variance * inverted(information, TOLD, UNMEASURED), used / len(a))
+
+
+@lru_cache(maxsize=32)
+def _surfaces(scan: bytes, flatness: float) -> tuple[FloatArray, FloatArray]:
+    """Return the points and normals of a scan (W,) float64: one scan is laid over many, from several guesses each."""
+    found: tuple[FloatArray, FloatArray] = surfaces(np.frombuffer(scan).copy(), NEIGHBOURS, flatness)
+    return found
 
 
 UNMEASURED = 1e6  # the variance of a direction that too few pairs constrain, in pair variances
 
 
 @cache
-def _cutoffs(widest: float, narrowest: float) -> list[float]:
-    return [*np.geomspace(widest, narrowest, ITERATIONS - 2).tolist(), narrowest, narrowest]
-
-
-def _inverse(information: FloatArray, otherwise: float = 0.0) -> FloatArray:
-    """Invert an information (3, 3) in the directions that enough pairs constrain; the others get `otherwise`.
-
-    Because normals are noisy, every direction looks constrained a little, even along a bare corridor, and the position
-    along it looks coupled with the turn. So unconstrained directions of the position are removed first: otherwise their
-    uncertainty would spread into the turn, which the walls measure well. The turn is scaled by how far it moves the
-    points, so that all three directions are measured in pairs.
-    """
-    pairs, scale = in_pairs(information)
-    values, directions = np.linalg.eigh(pairs)
-    least = TOLD * float(values[2])
-    untold = (values <= least) & (directions[2] ** 2 < 0.5)
-    if untold.any():
-        kept = _without(directions[:2, untold])
-        values, directions = np.linalg.eigh(kept @ pairs @ kept)
-    inverse: FloatArray = inverse_of(values, directions, scale, least, otherwise)
-    return inverse
-
-
-def _without(lost: FloatArray) -> FloatArray:
-    """Return the projection (3, 3) that removes directions (2, K) of the position, one or both."""
-    kept = np.eye(3)
-    kept[:2, :2] -= np.outer(lost, lost) / (lost[:, 0] @ lost[:, 0]) if lost.shape[1] == 1 else np.eye(2)
-    return kept
+def _cutoffs(widest: float, narrowest: float) -> FloatArray:
+    return np.append(np.geomspace(widest, narrowest, ITERATIONS - 2), [narrowest, narrowest])

@@ -18,7 +18,7 @@ from topomap.core.errors import ShapeError
 from topomap.core.geometry import TAU, wrap
 from topomap.core.records import Alignment, HomeVector
 from topomap.vision.image.scale_planes import WarpingView
-from topomap.vision.matching.warping_kernels import scale_planes, warping_search
+from topomap.vision.matching.warping_kernels import scale_planes, warping_search, whole_search
 
 NOISE, CLEAR = 0.08, 0.35
 """How far the best direction's cost lies below the mean of all: unrelated views or noise, and a clear view.
@@ -87,7 +87,7 @@ def warp(current: WarpingView, goal: WarpingView, prior: float | None = None, wi
     planes = scale_planes(goal.edges, current.edges, goal.sums, current.sums, floor)
     shifts, scales, counts = movements(n, goal.edges.shape[1], goal.spec.levels, goal.spec.step)
     first, width = rotations(prior, window, n)
-    cost = warping_search(planes, shifts, scales, counts, np.arange(n), first, width)
+    cost = whole_search(planes, shifts, scales, counts, first, width)
     sample = cost if width == n else warping_search(planes, shifts, scales, counts, np.arange(0, n, 9), 0, n)
     seen = bool(goal.sums.any() and current.sums.any())
     return WarpingCost(cost, first, float(sample.mean(dtype=np.float64)) if seen else 0.0, goal.first_bearing)
