@@ -11,7 +11,8 @@ from topomap.core.panorama import Panorama
 from topomap.core.rig import Rig
 from topomap.experiments import Lab
 from topomap.experiments import as_recorded as module
-from topomap.experiments.as_recorded import Faded, Misheaded, as_recorded
+from topomap.experiments.altered import Altered, Fade
+from topomap.experiments.as_recorded import Misheaded, as_recorded
 from topomap.experiments.pillars import Pillar, Room, painted, room_arena
 from topomap.vision.arena import Arena, Recipe
 from topomap.vision.homing.did import BLURRED, WHOLE, ImageDescent
@@ -68,8 +69,8 @@ def angle(vector: ViewVector) -> float:
 def test_colours_fade_to_equal_ones() -> None:
     (view,) = views(1)
     coloured, equal = Moment(2.0, "rgb"), Moment(2.0, "equal").describe(view)
-    assert angle(Faded(coloured, 0.0).describe(view)) == pytest.approx(angle(equal), abs=1e-6)
-    assert Faded(coloured, 1.0).describe(view) == coloured.describe(view)
+    assert angle(Altered(coloured, Fade(0.0)).describe(view)) == pytest.approx(angle(equal), abs=1e-6)
+    assert Altered(coloured, Fade(1.0)).describe(view) == coloured.describe(view)
     assert angle(coloured.describe(view)) != pytest.approx(angle(equal), abs=1e-2)
 
 

@@ -10,7 +10,8 @@ from topomap.core.panorama import Panorama
 from topomap.core.rig import Rig
 from topomap.experiments import Lab
 from topomap.experiments import orderings as module
-from topomap.experiments.orderings import Smoothed, orderings
+from topomap.experiments.altered import Altered, Smooth
+from topomap.experiments.orderings import orderings
 from topomap.experiments.pillars import Pillar, Room, painted, room_arena
 from topomap.vision.arena import Arena, Recipe
 from topomap.vision.homing.moment import Moment
@@ -45,7 +46,7 @@ def test_every_panel_has_its_figures(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_smoothing_takes_fine_stripes_their_weight_and_leaves_broad_ones() -> None:
     plain = striped(720)
-    assert Smoothed(RGB, 8.0).describe(plain).x == pytest.approx(RGB.describe(plain).x, rel=1e-3)
-    assert Smoothed(RGB, 0.0).describe(striped(4)).x == RGB.describe(striped(4)).x
-    fine, soft = RGB.describe(striped(90)), Smoothed(RGB, 32.0).describe(striped(90))
+    assert Altered(RGB, Smooth(8.0)).describe(plain).x == pytest.approx(RGB.describe(plain).x, rel=1e-3)
+    assert Altered(RGB, Smooth(0.0)).describe(striped(4)).x == RGB.describe(striped(4)).x
+    fine, soft = RGB.describe(striped(90)), Altered(RGB, Smooth(32.0)).describe(striped(90))
     assert (soft.x, soft.y) != pytest.approx((fine.x, fine.y), rel=1e-3)

@@ -23,8 +23,9 @@ from topomap.mapping.optimizer import (
     Solution,
     TurnEdge,
     solve,
-    solve_recent,
+    solving_recent,
 )
+from topomap.mapping.optimizer.slices import drained
 from topomap.mapping.uncertainty.network import PathNetwork
 
 SETTINGS = OptimizerSettings()
@@ -71,7 +72,7 @@ def test_a_solution_of_the_newest_stretch_is_as_before() -> None:
     edges = edges_of(problem)[-50:]
     new = problem.closures[problem.closures.j > edges[0].i]
     seen = turns(ring(6, nodes=120, length=120.0))[-50:]
-    found = solve_recent(problem.poses, edges, new, seen, Calibration(), SETTINGS)
+    found = drained(solving_recent(problem.poses, edges, new, seen, Calibration(), SETTINGS))
     as_before("solve recent", {"nodes": found.nodes, "heard": found.heard, **figures(found.solution)})
 
 

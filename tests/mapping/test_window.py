@@ -19,13 +19,16 @@ from topomap.mapping.optimizer import (
     TurnEdge,
     objective,
     solve,
-    solve_recent,
     solving,
+    solving_recent,
 )
+from topomap.mapping.optimizer.slices import drained
 
 
 def recent(problem: Problem, edges: int) -> Recent:
-    return solve_recent(problem.poses, edges_of(problem)[-edges:], problem.closures, problem.turns, problem.calibration)
+    return drained(
+        solving_recent(problem.poses, edges_of(problem)[-edges:], problem.closures, problem.turns, problem.calibration)
+    )
 
 
 def test_recent_solve_moves_only_the_newest_nodes() -> None:

@@ -15,8 +15,8 @@ from topomap.bench.homing.contestant import Contestant, Pairwise, Referenced
 from topomap.bench.homing.rows import Row
 from topomap.core.panorama import Panorama
 from topomap.core.records import HomeVector
-from topomap.experiments.study import Finding, Lab, draw_bars, row_values
-from topomap.report.figures import style
+from topomap.experiments.altered import Altered, Fade
+from topomap.experiments.study import Finding, Lab, panels_finding
 from topomap.vision.contracts import HomingMethod, Needs
 from topomap.vision.homing import METHODS, REFERENCE_METHODS
 from topomap.vision.homing.moment import Moment
@@ -56,30 +56,6 @@ class Misheaded:
         return self.method.home(current[1], goal[0])
 
 
-@dataclass(frozen=True, slots=True)
-class Faded:
-    """A method that sees the colours with a `share` of their contrast around the view's mean."""
-
-    method: HomingMethod[Any]  # Any: each method keeps its own kind of description
-    share: float
-    claims_homing: bool = True
-
-    @property
-    def needs(self) -> Needs:
-        """What the method needs."""
-        return self.method.needs
-
-    def describe(self, panorama: Panorama) -> Any:
-        """Return the method's description of the faded view. Raises DataError."""
-        mean = panorama.image.mean()
-        faded = np.rint(mean + self.share * (panorama.image - mean)).astype(np.uint8)
-        return self.method.describe(Panorama(faded, panorama.ranges, panorama.rig))
-
-    def home(self, current: Any, goal: Any) -> HomeVector:
-        """Return the bearing [rad] of the goal. Raises ShapeError."""
-        return self.method.home(current, goal)
-
-
 def as_recorded(lab: Lab) -> Finding:
     """Headings that err, references compared by whole pixels or masks, and colours of less contrast, in two rooms."""
     panels: dict[str, Mapping[str, Row]] = {}
@@ -88,11 +64,7 @@ def as_recorded(lab: Lab) -> Finding:
             panels[f"Headings off by {off:g} degrees, {room}"] = lab.rows(room, _misheaded(off))
         panels[f"References, {room}"] = lab.rows(room, _referenced())
         panels[f"Colour's contrast, {room}"] = lab.rows(room, _faded())
-    figure = style.canvas(7.6, 1.0 + sum(0.9 + 0.34 * len(rows) for rows in panels.values()))
-    axes = figure.subplots(len(panels), 1, height_ratios=[len(rows) + 2 for rows in panels.values()])
-    for one, (title, rows) in zip(axes, panels.items(), strict=True):
-        draw_bars(one, title, rows)
-    return Finding(figure, {title: {n: row_values(r) for n, r in rows.items()} for title, rows in panels.items()})
+    return panels_finding(panels)
 
 
 def _misheaded(off: float) -> Sequence[Contestant]:
@@ -104,4 +76,4 @@ def _referenced() -> Sequence[Contestant]:
 
 
 def _faded() -> Sequence[Contestant]:
-    return [Pairwise(f"laser, {share:g}", Faded(Moment(2.0, "rgb"), share)) for share in SHARES]
+    return [Pairwise(f"laser, {share:g}", Altered(Moment(2.0, "rgb"), Fade(share))) for share in SHARES]

@@ -164,6 +164,15 @@ def bars_finding(title: str, rows: Mapping[str, Row]) -> Finding:
     return Finding(figure, {name: row_values(row) for name, row in known.items()})
 
 
+def panels_finding(panels: Mapping[str, Mapping[str, Row]]) -> Finding:
+    """Return tables' rows by title as a finding: mean errors as bars, one panel below the other."""
+    figure = style.canvas(7.6, 1.0 + sum(0.9 + 0.34 * len(rows) for rows in panels.values()))
+    axes = figure.subplots(len(panels), 1, height_ratios=[len(rows) + 2 for rows in panels.values()])
+    for one, (title, rows) in zip(axes, panels.items(), strict=True):
+        draw_bars(one, title, rows)
+    return Finding(figure, {title: {n: row_values(r) for n, r in rows.items()} for title, rows in panels.items()})
+
+
 def draw_bars(axes: Axes, title: str, rows: Mapping[str, Row]) -> None:
     """Draw mean errors with 95 % intervals and the shares below 45 degrees as bars, the first row on top."""
     style.dress(axes, title, "mean angular error with 95 % interval [deg]")

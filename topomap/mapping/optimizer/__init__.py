@@ -15,7 +15,7 @@ from topomap.mapping.optimizer.relative_edges import RelativeEdges, relative_edg
 from topomap.mapping.optimizer.settings import OptimizerSettings
 from topomap.mapping.optimizer.slices import Slices
 from topomap.mapping.optimizer.solver import solve, solving
-from topomap.mapping.optimizer.window import Recent, solve_recent, solving_recent
+from topomap.mapping.optimizer.window import Recent, solving_recent
 
 __all__ = [
     "AxisEdge",
@@ -33,7 +33,6 @@ __all__ = [
     "TurnEdge",
     "relative_edges",
     "solve",
-    "solve_recent",
     "solving",
     "solving_recent",
 ]

@@ -20,7 +20,7 @@ from topomap.mapping.optimizer.problem import (
     TurnEdge,
 )
 from topomap.mapping.optimizer.settings import OptimizerSettings
-from topomap.mapping.optimizer.slices import Slices, drained
+from topomap.mapping.optimizer.slices import Slices
 from topomap.mapping.optimizer.solver import solving
 from topomap.mapping.uncertainty.odometry_chain import turned_by
 
@@ -36,22 +36,6 @@ class Recent(NamedTuple):
     solution: Solution
 
 
-def solve_recent(
-    poses: FloatArray,
-    odometry: Sequence[OdometryEdge],
-    closures: Closures,
-    turns: Sequence[TurnEdge],
-    calibration: Calibration,
-    settings: OptimizerSettings | None = None,
-) -> Recent:
-    """Solve the nodes of the newest odometry edges; the work doesn't grow with the map.
-
-    poses (N, 3) of the whole map: those of all other nodes stay, and the first of these nodes is held. Closures are
-    used whose newer end is among these nodes, whether or not the older one is. Raises TopomapError.
-    """
-    return drained(solving_recent(poses, odometry, closures, turns, calibration, settings))
-
-
 def solving_recent(
     poses: FloatArray,
     odometry: Sequence[OdometryEdge],
@@ -60,7 +44,12 @@ def solving_recent(
     calibration: Calibration,
     settings: OptimizerSettings | None = None,
 ) -> Slices[Recent]:
-    """Do what `solve_recent` does, a slice at a time; poses are read in the first one alone."""
+    """Solve the nodes of the newest odometry edges, a slice at a time; the work doesn't grow with the map.
+
+    poses (N, 3) of the whole map, read in the first slice alone: those of all other nodes stay, and the first of these
+    nodes is held. Closures are used whose newer end is among these nodes, whether or not the older one is. Raises
+    TopomapError.
+    """
     nodes = np.array([odometry[0].i, *(edge.j for edge in odometry)], np.int64)
     place = np.full(len(poses), -1)
     place[nodes] = np.arange(len(nodes))
