@@ -15,6 +15,7 @@ from topomap.bench.pose_graphs.clean import bridged, clean_optimum
 from topomap.bench.pose_graphs.injection import inject
 from topomap.bench.pose_graphs.kept import KEPT, kept_rows, rows_of
 from topomap.bench.pose_graphs.overview import overview
+from topomap.bench.pose_graphs.peers import MethodRun, PeerProcess, nothing
 from topomap.bench.pose_graphs.table import Cell, cells, texts, to_csv, to_json
 from topomap.bench.pose_graphs.targets import shortfalls
 from topomap.core.arrays import FloatArray
@@ -121,6 +122,39 @@ def test_a_peer_that_takes_too_long_is_stopped_and_says_so() -> None:
     assert rows[1].building_seconds > 0.0
     assert cells(rows)[1].stopped == 1
     assert texts(cells(rows)[1])[:6] == ("square", "random", "50%", "GNC", "1", "1")
+
+
+def test_a_peer_that_was_stopped_is_not_asked_where_more_are_false(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = []
+
+    def run(_: PeerProcess, method: str, graph: PoseGraph) -> MethodRun:
+        asked.append((method, len(graph.i)))
+        return nothing(graph, 2.0, 0.0, stopped=method == "GNC" and len(graph.i) > 90)
+
+    monkeypatch.setattr(PeerProcess, "run", run)
+    graph, _ = drive()
+    whole = design(kinds=["random", "close"], shares=[0.0, 0.2, 0.6, 0.8], peers=["GNC", "DCS"], limit=2.0)
+    rows = of(bench(graph, whole))
+    many = {share: next(row.true + row.false for row in rows if row.false_share == share) for share in whole.shares}
+    once = [("GNC", many[share]) for share in (0.2, 0.6)]
+    assert [entry for entry in asked if entry[0] == "GNC"] == [("GNC", many[0.0]), *once, *once]
+    assert len([entry for entry in asked if entry[0] == "DCS"]) == 7
+    told = [(row.stopped, row.asked) for row in rows if row.method == "GNC"]
+    assert told == [(False, True), *2 * [(False, True), (True, True), (True, False)]]
+    lines = [dict(zip(KEPT, line, strict=True)) for row in rows for line in kept_rows([row], 2.0)]
+    assert [line["stopped"] for line in lines if line["contestant"] == "GNC"] == ["no", *2 * ["no", "yes", "before"]]
+    assert [(row.stopped, row.asked) for row in rows_of(lines)] == [(row.stopped, row.asked) for row in rows]
+    assert cells(rows)[-2].seconds_mean == 0.0
+    both = cells([replace(row, false_share=0.6) for row in rows if row.method == "GNC" and row.kind == "close"])
+    assert both[0].seconds_mean == 2.0
+    gnc = overview(rows)[1][1][6]
+    assert gnc.endswith("2 of 3 stopped (1 not asked again)")
+
+
+def test_a_peer_stopped_without_false_closures_is_not_asked_with_any(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(PeerProcess, "run", lambda _, __, graph: nothing(graph, 2.0, 0.0, stopped=True))
+    rows = of(bench(drive()[0], design(shares=[0.0, 0.2], seeds=[0, 1], peers=["DCS"])))
+    assert [row.asked for row in rows if row.method == "DCS"] == [True, False, False]
 
 
 @pytest.mark.parametrize("method", PEERS)

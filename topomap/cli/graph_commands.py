@@ -29,7 +29,11 @@ def graphs(
     shares: str = typer.Option("0,.2,.5,.8,.9", help="Shares of all closures that are false."),
     seeds: str = typer.Option("0-2", help="Seeds of what is injected, e.g. 0-4 or 0,2."),
     peers: str = typer.Option("all", help="gtsam's DCS,GNC,Huber,Levenberg-Marquardt, or 'all', or 'none'."),
-    limit: float = typer.Option(120.0, min=0.1, help="A peer's optimising is stopped after so many seconds."),
+    limit: float = typer.Option(
+        120.0,
+        min=0.1,
+        help="A peer is stopped after so many seconds of optimising, and not asked where more are false.",
+    ),
     fresh: bool = typer.Option(False, "--fresh", help="Measure anew what is known already."),
     out: Path = typer.Option(OUT / "graphs", help="Folder for table and figures."),
     keep: Path | None = KEEP,

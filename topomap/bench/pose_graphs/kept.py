@@ -34,8 +34,12 @@ def _line(row: Row, limit: str) -> tuple[str, ...]:
         row.graph, row.kind, f"{row.false_share:g}", f"{row.seed}", row.method, f"{row.nodes}", f"{row.true}",
         f"{row.false}", f"{row.kept_true}", f"{row.kept_false}", _text(row.precision, 5), _text(row.recall, 5),
         _text(row.ate_m, 4), f"{row.odometry_ate_m:.4f}", f"{row.seconds:.3f}", f"{row.cpu_seconds:.3f}",
-        f"{row.building_seconds:.3f}", "yes" if row.stopped else "no", limit,
+        f"{row.building_seconds:.3f}", _stopped(row), limit,
     )  # fmt: skip
+
+
+def _stopped(row: Row) -> str:
+    return ("yes" if row.asked else "before") if row.stopped else "no"
 
 
 def _text(value: float | None, digits: int) -> str:
@@ -63,7 +67,8 @@ def rows_of(lines: Iterable[dict[str, str]]) -> list[Row]:
             seconds=float(line["seconds"]),
             cpu_seconds=float(line["CPU [s]"]),
             building_seconds=float(line["building [s]"]),
-            stopped=line["stopped"] == "yes",
+            stopped=line["stopped"] != "no",
+            asked=line["stopped"] != "before",
         )
         for line in lines
         if line["contestant"] != ODOMETRY

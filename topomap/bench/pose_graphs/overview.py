@@ -54,7 +54,9 @@ def _worst(own: list[Row]) -> str:
     told = [f"{min(precisions):.4f}" if precisions else "-", f"{min(recalls):.3f}" if recalls else "-",
             f"{max(ates):.3f}" if ates else "-"]  # fmt: skip
     words = " / ".join(told) if ended else ""
-    return ", ".join(part for part in (words, f"{stopped} of {len(own)} stopped" if stopped else "") if part)
+    again = sum(not row.asked for row in own)
+    told_stopped = f"{stopped} of {len(own)} stopped" + (f" ({again} not asked again)" if again else "")
+    return ", ".join(part for part in (words, told_stopped if stopped else "") if part)
 
 
 def _time(own: list[Row]) -> str:

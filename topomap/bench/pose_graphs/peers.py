@@ -74,10 +74,11 @@ class PeerProcess:
             stopped = False
         seconds = time.perf_counter() - begin
         self.__exit__()
-        return _nothing(graph, seconds, building, stopped)
+        return nothing(graph, seconds, building, stopped)
 
 
-def _nothing(graph: PoseGraph, seconds: float, building: float, stopped: bool) -> MethodRun:
+def nothing(graph: PoseGraph, seconds: float, building: float, stopped: bool) -> MethodRun:
+    """Return what a method that was stopped, failed or wasn't asked makes of a graph."""
     nowhere = np.full((graph.nodes, 3), np.nan)
     return MethodRun(nowhere, np.zeros(len(graph.i), np.bool_), seconds, seconds, building, stopped)
 
@@ -96,5 +97,5 @@ def _serve(there: Connection) -> None:
             seconds, cpu = time.perf_counter() - begin, time.process_time() - worked
             run = MethodRun(*inliers(graph, found), seconds, cpu, building, False)
         except RuntimeError:  # gtsam gives up on an indeterminate system: a result of the peer, not an error of ours
-            run = _nothing(graph, time.perf_counter() - begin, building, stopped=False)
+            run = nothing(graph, time.perf_counter() - begin, building, stopped=False)
         there.send(run)

@@ -51,6 +51,7 @@ def _cell(own: list[Row]) -> Cell:
     precisions = [row.precision for row in own if row.precision is not None]
     ates = [row.ate_m for row in own if row.ate_m is not None]
     recalls = [row.recall for row in own if row.recall is not None]
+    timed = [row for row in own if row.asked] or own
     return Cell(
         graph=own[0].graph,
         kind=own[0].kind,
@@ -65,10 +66,10 @@ def _cell(own: list[Row]) -> Cell:
         ate_m_mean=float(np.mean(ates)) if ates else None,
         ate_m_max=max(ates, default=None),
         odometry_ate_m=own[0].odometry_ate_m,
-        seconds_mean=float(np.mean([row.seconds for row in own])),
-        seconds_max=max(row.seconds for row in own),
-        cpu_seconds_mean=float(np.mean([row.cpu_seconds for row in own])),
-        building_seconds_mean=float(np.mean([row.building_seconds for row in own])),
+        seconds_mean=float(np.mean([row.seconds for row in timed])),
+        seconds_max=max(row.seconds for row in timed),
+        cpu_seconds_mean=float(np.mean([row.cpu_seconds for row in timed])),
+        building_seconds_mean=float(np.mean([row.building_seconds for row in timed])),
     )
 
 
