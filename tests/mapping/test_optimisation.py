@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Iterator
 
 import numpy as np
@@ -95,3 +96,29 @@ def test_what_is_given_up_is_never_applied(monkeypatch: pytest.MonkeyPatch) -> N
     for stamp in range(8, 20):
         assert optimisation.update(stamp, ledger) == (False, [])
     assert len(topo.closures) == 2
+
+
+def test_a_copy_begins_anew_what_is_being_solved(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A taught robot is copied for every start and journey, in the midst of a large map's solve or not."""
+    monkeypatch.setattr("topomap.mapping.optimisation.LARGE", 2)
+    _, optimisation, ledger = believed(Back([1.0, 0.0], [1.0, 0.0]), monkeypatch)
+    optimisation.update(7, ledger)
+    assert optimisation._running is not None
+    again, whole = copy.deepcopy((optimisation, ledger))
+    for one, own in ((optimisation, ledger), (again, whole)):
+        changed = [d for stamp in range(8, 14) for d in one.update(stamp, own)[1]]
+        assert [d.candidate.match for d in changed] == [1]
+
+
+def test_a_copy_begins_anew_the_stretch_that_is_being_solved(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("topomap.mapping.optimisation.LARGE", 2)
+    _, optimisation, ledger = believed(Back([1.0, 1.0]), monkeypatch)
+    optimisation._s = OptimisationSettings(every=1)
+    optimisation._whole_nodes, optimisation._surprise = 6, 0.0
+    optimisation.update(7, ledger)
+    assert optimisation._stretch is not None
+    again, whole = copy.deepcopy((optimisation, ledger))
+    for one, own in ((optimisation, ledger), (again, whole)):
+        for stamp in range(8, 60):
+            one.update(stamp, own)
+        assert one.solves == 1

@@ -77,6 +77,15 @@ class Optimisation:
         self.contest: Contest | None = None
         self._known: Calibration | None = None  # of a loaded map
 
+    def __getstate__(self) -> dict[str, object]:
+        """Return what a copy takes along: what is being solved can't be copied, and is due anew there."""
+        state = self.__dict__.copy()
+        if self._running is not None:
+            state |= {"_running": None, "_whole_nodes": 0}
+        if self._stretch is not None:
+            state |= {"_stretch": None, "_solved_nodes": 0}
+        return state
+
     def resume(self) -> None:
         """Take over a loaded map: its closures stand, and its calibration is what is known of the odometry."""
         self._known = self._map.calibration
