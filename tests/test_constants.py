@@ -101,4 +101,4 @@ def test_they_are_as_before(folder: str) -> None:
             found.setdefault(name, []).append(numbers)
     assert found
     told = {name: [one for numbers in sorted(found[name]) for one in numbers] for name in sorted(found)}
-    as_before(f"constants {folder.split('/')[-1]}", told, close=0.0)
+    as_before(f"constants {folder.split('/')[-1]}", told, close=1e-9)  # an inverse has noise in its zeros

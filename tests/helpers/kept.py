@@ -31,8 +31,11 @@ Kept = list[float | str | None]
 Figures = Mapping[str, ArrayLike | Sequence[str]]
 
 
-def as_before(name: str, figures: Figures, part: bool = False, close: float = CLOSE) -> None:
-    """Fail where figures (numbers of any shape, or words) aren't those of the file NAME.json, or a part of them."""
+def as_before(name: str, figures: Figures, part: bool = False, close: float = CLOSE, floor: float = 0.0) -> None:
+    """Fail where figures (numbers of any shape, or words) aren't those of the file NAME.json, or a part of them.
+
+    close: share by which machines may differ; floor: by how much at least, where a figure is the place of a minimum.
+    """
     path = FOLDER / f"{name.replace(', ', '-').replace(' ', '-')}.json"
     now = {said: _flat(one) for said, one in figures.items()}
     then: dict[str, Kept] = json.loads(path.read_text(encoding="utf8")) if path.exists() else {}
@@ -45,7 +48,7 @@ def as_before(name: str, figures: Figures, part: bool = False, close: float = CL
     for said, one in now.items():
         assert len(one) == len(then[said]), said
         largest = max((abs(b) for b in then[said] if isinstance(b, (float, int))), default=1.0)
-        least = close * SMALL * min(1.0, max(SMALL**2, largest))
+        least = max(floor, close * SMALL * min(1.0, max(SMALL**2, largest)))
         for k, (a, b) in enumerate(zip(one, then[said], strict=True)):
             assert _same(a, b, close, least), f"{said}[{k}] is {a}, was {b}"
 

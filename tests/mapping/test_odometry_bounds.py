@@ -521,10 +521,11 @@ def test_many_views_are_searched_block_by_block_as_before() -> None:
     as_before("odometry searched", {"told": told})
     recognition = Recognition(RecognitionSettings(min_travel=1.0))
     for k in range(430):
-        recognition.add(k, 0.1 * k, view(k % 90))
-    near = recognition._search(signature(view(40)), 43.0, np.arange(405))
-    few = recognition._search(signature(view(40)), 43.0, np.arange(30))
-    moment = SimpleNamespace(panorama=view(40), travel=43.0, places=near[0], likely=near[1], difference={})
+        recognition.add(k, 0.1 * k, view(k))
+    now = Panorama(np.uint8(0.8 * view(40).image + 0.2 * view(130).image), None, SMALL)
+    near = recognition._search(signature(now), 43.0, np.arange(405))
+    few = recognition._search(signature(now), 43.0, np.arange(30))
+    moment = SimpleNamespace(panorama=now, travel=43.0, places=near[0], likely=near[1], difference={})
     as_before("odometry recognised", {
         "near": [v for m in near[0][:9] for v in (m.node, m.difference)], "few": [m.node for m in few[0]],
         "likely": [m.node for m in near[1]], "older": [len(recognition._older(moment))], "count": [len(near[0])],

@@ -74,7 +74,10 @@ def test_it_drives_the_rectangle_notices_home_and_gets_there(equalise: bool) -> 
     assert travel.phase is Phase.ARRIVED
     assert math.dist(path[-1], (0.0, 0.0)) < 0.3
     seen = ride.course.differences
-    as_before(f"hall course {equalise}", {"path": path[::4], "differences": seen, "from": [ride.course.homing_from]})
+    name = f"hall course {equalise}"
+    as_before(name, {"path": path[::4], "from": [ride.course.homing_from]}, part=True)
+    # the painted walls' edges fall on other pixels elsewhere
+    as_before(name, {"differences": seen}, part=True, close=0.1)
 
 
 def test_where_home_is_never_passed_it_says_so() -> None:
