@@ -82,4 +82,4 @@ def test_each_doubt_begins_at_its_bound() -> None:
 
 
 def test_a_belief_that_is_not_proven_yet_claims_nothing() -> None:
-    assert "lost with a probability of 0.06" in claimed(replace(HERE, lost=UNPROVEN))
+    assert "lost with a probability of 0.05" in claimed(replace(HERE, lost=UNPROVEN))

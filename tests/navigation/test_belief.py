@@ -20,8 +20,9 @@ from topomap.navigation.localiser.fix import MEASURED_FLOOR, fix
 from topomap.navigation.localiser.likeness import log_ratio
 from topomap.navigation.localiser.localiser import SURE, Localiser
 from topomap.navigation.localiser.mixture import Mixture
+from topomap.navigation.localiser.set_down import set_down
 from topomap.navigation.localiser.views import Seen, Usual
-from topomap.navigation.localiser.weighing import FIRST, OFF, by_first_view, by_stretch, with_places
+from topomap.navigation.localiser.weighing import by_first_view, by_stretch, with_places
 from topomap.vision.matching.scan_match import ScanMatch
 
 
@@ -71,6 +72,7 @@ def stages() -> dict[str, Mixture]:
         "by stretch": by_stretch(start, seen()),
         "by first view": by_first_view(start, seen()),
         "with places": with_places(start, seen(), poses),
+        "set down": set_down(start, seen(), poses),
     }
 
 
@@ -118,17 +120,6 @@ def test_what_is_less_alike_than_any_place_of_the_map_speaks_against_it() -> Non
     ratios = log_ratio(np.array([0.2, 1.0, 1.5, 2.1]), others)
     assert ratios[0] > 2.0
     assert (ratios[1:] < -1.0).all()
-
-
-def test_places_looked_through_everywhere_share_what_is_left_but_for_being_off_the_map() -> None:
-    start, places = (
-        Mixture.at(np.zeros(3), 0.01 * np.eye(3), 0.8),
-        np.column_stack([np.arange(9.0) + 5, np.zeros((9, 2))]),
-    )
-    part, whole = (with_places(start, seen(), places, everywhere) for everywhere in (False, True))
-    assert math.exp(part.elsewhere) > 0.5
-    assert math.exp(whole.elsewhere) == pytest.approx(0.8 * (OFF + (1 - OFF) * math.exp(-FIRST) * 4 / 9), rel=1e-6)
-    assert math.exp(whole.weights[0]) == pytest.approx(0.2)
 
 
 def test_what_views_tell_is_as_before() -> None:

@@ -60,7 +60,7 @@ def test_carried_away_it_says_so_and_claims_nothing_until_it_has_found_itself(le
     records = journey(lesson, {"kidnaps": [{"handed_over_s": 2.0, "along": -5.0, "turn_deg": 120.0}]}, 120)
     noticed = next(k for k, record in enumerate(records) if record.where.event)
     assert records[noticed].where.event.startswith("carried away")
-    assert records[noticed].where.lost > 0.5
+    assert records[noticed].where.lost > 0.05  # the first view may tell one place, but proves nothing
     assert max(record.where.lost for record in records[:noticed]) < 0.05
     found = next(k for k, record in enumerate(records) if record.where.event.startswith("found itself"))
     assert all(not record.change.decisions for record in records[noticed:found])
@@ -77,7 +77,7 @@ def test_set_down_anywhere_it_finds_its_place(lesson: Lesson) -> None:
 
 def test_a_belief_that_begins_anywhere_is_lost_at_first(lesson: Lesson) -> None:
     records = journey(lesson, {}, 80, Localiser(ANYWHERE))
-    assert records[0].where.lost > 0.5
+    assert records[0].where.lost > 0.05
     found = next(record for record in records if record.where.lost < 0.05)
     assert found.where.node is not None
     here = records.index(found)

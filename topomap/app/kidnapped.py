@@ -29,7 +29,7 @@ from topomap.navigation.navigator import Navigator
 SOON = 10.0
 """[m] Travel within which a kidnapped robot shall know its node."""
 DOUBTFUL = 0.1
-"""Probability of being lost from which on the robot has noticed."""
+"""Probability of being lost from which on the robot has noticed, if it told of no break."""
 ASIDE = 0.3
 """[m] How far beside the taught route the robot is set down at most."""
 BINS = (0.0, 0.05, 0.2, 0.4, 0.6, 0.8, 0.95, 1.0)
@@ -53,7 +53,7 @@ class Lesson:
 
 @dataclass(frozen=True, eq=False)
 class Search:
-    """One start: found: the robot said it knows, having been lost or driven 10 m; right: it was where it said; way [m]:
+    """One start: found: the robot said it knows, having noticed or driven 10 m; right: it was where it said; way [m]:
     driven until then.
 
     lost (K,), wrong (K,): what it said at each step, and whether its likeliest pose was wrong.
@@ -129,7 +129,7 @@ def search(lesson: Lesson, start: Pose, farthest: float = 35.0) -> Search:
     """Set the robot down and let it go home, until it says that it knows where it is or gives up."""
     navigator = copy.deepcopy(lesson.navigator)
     robot = SimRobot(worlds.load(lesson.world), lesson.config.sim, lesson.seed, SetDown(start, lesson.step))
-    way, before, said, wrong = 0.0, start, list[float](), list[bool]()
+    way, before, said, wrong, noticed = 0.0, start, list[float](), list[bool](), False
     while way < farthest and (reading := robot.sense()) is not None:
         command, record = navigator.step(reading)
         truth = robot.truth()
@@ -137,8 +137,8 @@ def search(lesson: Lesson, start: Pose, farthest: float = 35.0) -> Search:
         way, before = way + math.hypot(here[0] - before[0], here[1] - before[1]), here
         said.append(record.where.lost)
         wrong.append(_is_wrong(record.where, here, lesson.truth, navigator.mapper.map))
-        # who was never lost may not have noticed: where it then is, it has to know by SOON
-        noticed = max(said) >= DOUBTFUL or way >= SOON
+        # who didn't say so may not have noticed: where it then is, it has to know by SOON
+        noticed = noticed or bool(record.change.broken) or said[-1] >= DOUBTFUL or way >= SOON
         known = record.where.lost < FOUND and noticed and len(said) > 1
         if known or record.travel.phase in (Phase.ARRIVED, Phase.FAILED):
             return Search(known, known and not wrong[-1], way, np.array(said), np.array(wrong))

@@ -76,7 +76,7 @@ class Navigator:
         goal = self._mission.goal(reading.driven, self.mapper.map)
         watch.lap("localise")
         senses = self._sense_check.senses(reading, panorama, self.mapper.track.turn, change.place, self._odometry.amiss)
-        self.mapper.lost = where.lost > LOST
+        self.mapper.lost = where.lost > LOST or self.localiser.searching
         if self._course is not None:
             command, travel = self._course.step(panorama, where.pose, self.mapper.track.raw)
         else:
@@ -103,7 +103,7 @@ class Navigator:
         if senses.health.stop:
             return None
         seen = senses.trusted()
-        found = self._relocalise.step(seen, senses.contact, where, goal, self.mapper)
+        found = self._relocalise.step(seen, senses.contact, where, goal, self.mapper, self.localiser.searching)
         if found is not None or goal.phase is not Phase.TRAVEL:
             return found
         return self._active.step(seen, senses.contact, self.mapper)

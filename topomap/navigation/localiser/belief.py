@@ -15,6 +15,7 @@ from topomap.mapping.graph import TopoMap
 from topomap.mapping.mapper import Mapper
 from topomap.navigation.localiser.fix import fix
 from topomap.navigation.localiser.mixture import Mixture
+from topomap.navigation.localiser.set_down import set_down
 from topomap.navigation.localiser.tint import unlike
 from topomap.navigation.localiser.views import Found, Seen, Usual, look, usual
 from topomap.navigation.localiser.weighing import by_first_view, by_stretch, with_places
@@ -108,7 +109,8 @@ class Belief:
             self._since_weighed = 0.0
             self.stretches += not fresh
             weighed = by_first_view(self.mixture, seen) if fresh else by_stretch(self.mixture, seen)
-            self.mixture = with_places(weighed, seen, mapper.map.poses[nodes], fresh and count >= SEARCHED).pruned()
+            join = set_down if fresh and count >= SEARCHED else with_places
+            self.mixture = join(weighed, seen, mapper.map.poses[nodes]).pruned()
         self._fix(panorama, mapper, nodes)
 
     @property

@@ -43,7 +43,7 @@ ASTRAY, ASTRAY_TURN = 1.0, math.radians(20.0)
 far apart as they tell places. Within it they show the same, and a belief is no surer of where than odometry is."""
 DOUBTFUL = 0.1
 """Probability of being lost up to which belief and track are taken to agree."""
-UNPROVEN = 0.06
+UNPROVEN = 0.051
 """The least that is told of a robot that was lost before enough stretches have spoken: just too much for a journey to
 go on. After two, neighbours a metre off in `hall` were told apart wrongly."""
 TOLD = 5
@@ -67,6 +67,11 @@ class Localiser:
         self._unproven = False  # the same, and after it was turned by no wheel
         self._right: int | None = None  # the last node of the track that the belief agreed with
         self._earlier: int | None = None  # snapshots, of the first ones, made before this pass over known ground
+
+    @property
+    def searching(self) -> bool:
+        """Whether the robot was carried and hasn't found itself yet."""
+        return self._lost
 
     def update(self, panorama: Panorama, mapper: Mapper, change: MapChange, driven: bool) -> Where:
         """Return the belief of this step; driven: somebody else has the wheels, and the map grows."""

@@ -86,15 +86,20 @@ class Mixture:
         spread[which] = (np.eye(3) - gain) @ prior
         return replace(self, poses=new, covariances=0.5 * (spread + spread.transpose(0, 2, 1)))
 
-    def joined_by(self, poses: FloatArray, covariance: FloatArray, weights: FloatArray) -> Mixture:
-        """Return the mixture with new hypotheses (k, 3) of log weights (k,), each with that covariance (3, 3)."""
+    def joined_by(
+        self, poses: FloatArray, covariance: FloatArray, weights: FloatArray, behind: FloatArray | None = None
+    ) -> Mixture:
+        """Return the mixture with new hypotheses (k, 3) of log weights (k,), each with that covariance (3, 3).
+
+        behind (k,): how far each was behind the most alike one; none: not yet.
+        """
         return replace(
             self,
             poses=np.concatenate([self.poses, poses]),
             covariances=np.concatenate([self.covariances, np.broadcast_to(covariance, (len(poses), 3, 3))]),
             weights=np.concatenate([self.weights, weights]),
             seen=np.concatenate([self.seen, unseen(len(poses))]),
-            behind=np.concatenate([self.behind, np.zeros(len(poses))]),
+            behind=np.concatenate([self.behind, np.zeros(len(poses)) if behind is None else behind]),
         )
 
     def looked(self, which: IntArray, squares: FloatArray, most: float = np.inf) -> Mixture:
@@ -162,10 +167,15 @@ class Mixture:
         """Return (k, n) whether poses (k, 3) and the hypotheses are one and the same; within [m]: where that is more
         than what usually counts as the same.
         """
-        away = np.hypot(*(poses[:, None, :2] - self.poses[None, :, :2]).transpose(2, 0, 1))
-        turned = np.abs(wrap_all(poses[:, None, 2] - self.poses[None, :, 2]))
-        same: BoolArray = (away < max(SAME, within)) & (turned < SAME_TURN)
-        return same
+        return same(poses, self.poses, within)
+
+
+def same(poses: FloatArray, others: FloatArray, within: float = 0.0) -> BoolArray:
+    """Return (k, n) whether poses (k, 3) and others (n, 3) are one and the same, as `Mixture.near` does."""
+    away = np.hypot(*(poses[:, None, :2] - others[None, :, :2]).transpose(2, 0, 1))
+    turned = np.abs(wrap_all(poses[:, None, 2] - others[None, :, 2]))
+    found: BoolArray = (away < max(SAME, within)) & (turned < SAME_TURN)
+    return found
 
 
 def unseen(count: int) -> FloatArray:

@@ -31,9 +31,6 @@ little between two places alike hangs together from stretch to stretch (by 0.85 
 `office-loop`): it is how far aside the robot drives and in what light."""
 FIRST = 3.0
 """What the first view can say [nats]: 0.3 m aside in `office-loop`, a wrong place looks more like it in 2 of 5."""
-OFF = 0.5
-"""Probability that a robot that was carried isn't at one of the places most like its first view: where that is wrong in
-2 of 5, it may as well be off the map."""
 ESCAPE = 1e-3
 """Probability to be carried away unnoticed within a stretch: once in 800 m."""
 BORN = np.diag(np.square([0.35, 0.35, math.radians(8.0)]))
@@ -72,8 +69,14 @@ def _behind(mixture: Mixture, fewest: int) -> tuple[BoolArray, FloatArray]:
     squares, looks, _ = mixture.seen.T
     told = looks >= fewest
     mean = squares[told] / looks[told]
-    least = mean.min(initial=np.inf)
-    return told, (mean - least) / (APART + APART_SHARE * least)
+    return told, units_behind(mean)
+
+
+def units_behind(squares: FloatArray) -> FloatArray:
+    """Return how far squared likenesses (n,) are behind the least one, in units of what varies at the place itself."""
+    least = squares.min(initial=np.inf)
+    behind: FloatArray = (squares - least) / (APART + APART_SHARE * least)
+    return behind
 
 
 def _weighed(mixture: Mixture, seen: Seen, told: BoolArray, against: FloatArray) -> Mixture:
@@ -86,20 +89,11 @@ def _weighed(mixture: Mixture, seen: Seen, told: BoolArray, against: FloatArray)
     return replace(mixture.weighed(ratios, ESCAPE), seen=unseen(len(mixture)))
 
 
-def with_places(mixture: Mixture, seen: Seen, places: FloatArray, everywhere: bool = False) -> Mixture:
-    """Return the mixture with the places (N, 3) that look like the view: each, any way round, was as likely before.
-
-    everywhere: the whole map was looked through, so that the robot is at one of these, or off the map, or where it
-    looks unlike.
-    """
+def with_places(mixture: Mixture, seen: Seen, places: FloatArray) -> Mixture:
+    """Return the mixture with the places (N, 3) that look like the view: each, any way round, was as likely before."""
     where, found = seen.minima()
     poses = found.poses(places[where])
     fresh = ~mixture.near(poses).any(axis=1) & (found.likeness < 1.0)
     ratio = np.clip(log_ratio(found.likeness, seen.usual.others), -FIRST, FIRST)
     weights = mixture.elsewhere - math.log(2 * len(places)) + ratio
-    weights, elsewhere = weights[fresh], mixture.elsewhere
-    if everywhere and fresh.any():
-        off = OFF + (1.0 - OFF) * math.exp(-FIRST) * (1.0 - len(seen.places) / len(places))
-        weights = weights - np.logaddexp.reduce(weights) + elsewhere + math.log1p(-off)
-        elsewhere += math.log(off)
-    return replace(mixture.joined_by(poses[fresh], BORN, weights), elsewhere=elsewhere).normalised()
+    return mixture.joined_by(poses[fresh], BORN, weights[fresh]).normalised()

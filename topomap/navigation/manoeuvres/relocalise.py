@@ -56,10 +56,14 @@ class Relocalise:
         self._way = SearchWay()
 
     def step(
-        self, panorama: Panorama, contact: bool, where: Where, goal: Goal, mapper: Mapper
+        self, panorama: Panorama, contact: bool, where: Where, goal: Goal, mapper: Mapper, searching: bool = False
     ) -> tuple[Command, Travel] | None:
-        """Return the command and what was done, or None where the robot knows where it is."""
-        if goal.phase is not Phase.TRAVEL or where.lost <= (LOST if self._began is None else FOUND):
+        """Return the command and what was done, or None where the robot knows where it is.
+
+        searching: it was carried, and has yet to prove what its first view may tell: nobody arrives by that alone.
+        """
+        going_on = self._began is not None or searching
+        if goal.phase is not Phase.TRAVEL or where.lost <= (FOUND if going_on else LOST):
             self._began, self._steps, self._forward = None, 0, False
             self._way.reset()
             return None
