@@ -15,7 +15,8 @@ from sim2d.config import SimConfig
 from sim2d.records import SetDown
 from sim2d.robot import SimRobot
 from topomap.app.config import load_config
-from topomap.app.kidnapped import Lesson, search, tally, teach
+from topomap.app.kidnapped import Lesson, search, teach
+from topomap.bench.searches import tally
 from topomap.core.geometry import Pose2
 from topomap.core.records import StepRecord, Where
 from topomap.navigation.localiser import ANYWHERE, Localiser

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import copy
 import math
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 
@@ -17,22 +18,21 @@ from topomap.app.config import RunConfig
 from topomap.app.warm_up import warm_up
 from topomap.app.wiring import build_navigator
 from topomap.bench.belief import is_wrong
-from topomap.core.arrays import BoolArray, FloatArray
+from topomap.bench.searches import SOON, Search, curve, tally
+from topomap.core.arrays import FloatArray
 from topomap.core.errors import DataError
 from topomap.core.geometry import Pose2
 from topomap.core.records import Phase, Where
-from topomap.evaluation.statistics import Interval, share_interval
 from topomap.mapping.graph import TopoMap
 from topomap.navigation.manoeuvres.relocalise import FOUND
 from topomap.navigation.navigator import Navigator
+from topomap.report.figures.calibration import calibration_curve
+from topomap.report.figures.style import png
 
-SOON = 10.0
-"""[m] Travel within which a kidnapped robot shall know its node."""
 DOUBTFUL = 0.1
 """Probability of being lost from which on the robot has noticed, if it told of no break."""
 ASIDE = 0.3
 """[m] How far beside the taught route the robot is set down at most."""
-BINS = (0.0, 0.05, 0.2, 0.4, 0.6, 0.8, 0.95, 1.0)
 Pose = tuple[float, float, float]
 
 
@@ -49,48 +49,6 @@ class Lesson:
     truth: FloatArray
     end: Pose
     step: int
-
-
-@dataclass(frozen=True, eq=False)
-class Search:
-    """One start: found: the robot said it knows, having noticed or driven 10 m; right: it was where it said; way [m]:
-    driven until then.
-
-    lost (K,), wrong (K,): what it said at each step, and whether its likeliest pose was wrong.
-    """
-
-    found: bool
-    right: bool
-    way: float
-    lost: FloatArray
-    wrong: BoolArray
-
-
-@dataclass(frozen=True)
-class Bin:
-    """Steps with `lost` between two bounds: how many, its mean, and the share that was wrong."""
-
-    low: float
-    high: float
-    steps: int
-    said: float
-    wrong: float
-
-
-@dataclass(frozen=True)
-class Tally:
-    """All starts of a world and seed: share found rightly within 10 m and at all, sure and wrong, median way [m].
-
-    error: the mean difference of `lost` and the share that was wrong, over bins of `lost` weighted by their steps.
-    """
-
-    starts: int
-    soon: Interval
-    found: Interval
-    sure_and_wrong: int
-    median_way: float
-    error: float
-    bins: tuple[Bin, ...]
 
 
 def teach(world: str, seed: int, config: RunConfig) -> Lesson:
@@ -152,38 +110,15 @@ def _is_wrong(where: Where, here: Pose, nodes: FloatArray, topo: TopoMap) -> boo
     return is_wrong(where, Pose2(*here), Pose2.of(nodes[where.node]), topo.pose(where.node))
 
 
-def tally(searches: list[Search]) -> Tally:
-    """Return the figures of some searches."""
-    count = len(searches)
-    right = [one for one in searches if one.right]
-    lost = np.concatenate([one.lost for one in searches])
-    bins = _bins(lost, np.concatenate([one.wrong for one in searches]))
-    return Tally(
-        count,
-        share_interval(sum(one.way <= SOON for one in right), count),
-        share_interval(len(right), count),
-        sum(one.found and not one.right for one in searches),
-        float(np.median([one.way if one.right else np.inf for one in searches])),
-        sum(one.steps * abs(one.said - one.wrong) for one in bins) / max(len(lost), 1),
-        bins,
-    )
+def searches(world: str, seed: int, config: RunConfig, count: int) -> Iterator[Search]:
+    """Teach the world and yield a search from each of some places. Raises DataError."""
+    lesson = teach(world, seed, config)
+    yield from (search(lesson, start) for start in starts(lesson, count))
 
 
-def _bins(lost: FloatArray, wrong: BoolArray) -> tuple[Bin, ...]:
-    found = []
-    for low, high in pairwise(BINS):
-        inside = (lost >= low) & ((lost < high) | (high == BINS[-1]))
-        if inside.any():
-            found.append(Bin(low, high, int(inside.sum()), float(lost[inside].mean()), float(wrong[inside].mean())))
-    return tuple(found)
-
-
-HEADINGS = ("starts", "in 10 m [%]", "at all [%]", "sure, wrong", "median [m]", "error", "lost: wrong")
-
-
-def row(figures: Tally) -> tuple[str, ...]:
-    """Return the cells of a table's row, under HEADINGS."""
-    soon = f"{100 * figures.soon.value:.0f} ({100 * figures.soon.low:.0f}-{100 * figures.soon.high:.0f})"
-    bins = ", ".join(f"{one.said:.2f}: {one.wrong:.2f}" for one in figures.bins)
-    found, median = f"{100 * figures.found.value:.0f}", f"{figures.median_way:.1f}"
-    return str(figures.starts), soon, found, str(figures.sure_and_wrong), median, f"{figures.error:.2f}", bins
+def draw(found: Mapping[str, Sequence[Search]], folder: Path) -> Path:
+    """Write the curves of what `lost` said, one a world, into a folder; return the file."""
+    curves = {Path(world).stem: curve(tally(own)) for world, own in found.items()}
+    path = folder / "lost.png"
+    path.write_bytes(png(calibration_curve(curves, "lost, as the robot said", "share that was wrong", "starts")))
+    return path

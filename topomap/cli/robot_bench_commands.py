@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import typer
 
 from topomap.cli.bench_commands import KEEP, OUT, benches, table
 from topomap.cli.console import console, progress
+
+if TYPE_CHECKING:
+    from topomap.bench.searches import Search
 
 
 def add_to(app: typer.Typer) -> None:
@@ -21,25 +25,32 @@ def kidnapped(
     starts: int = typer.Option(20, min=1, help="Places, a world and seed, where the robot is set down."),
     seeds: str = typer.Option("0", help="Seeds of the drive and of the places, e.g. 0-4."),
     settings: list[str] = typer.Option([], "--set", metavar="KEY=VALUE", help="A setting of the run; may repeat."),
+    out: Path = typer.Option(OUT / "kidnapped", help="Folder for the calibration curve."),
+    keep: Path | None = KEEP,
 ) -> None:
     """Set a taught robot down anywhere, turned any way: how far it drives until it knows where, and how surely."""
+    from topomap.app import kidnapped as bench
     from topomap.app.config import load_config
-    from topomap.app.kidnapped import HEADINGS, row, search, tally, teach
-    from topomap.app.kidnapped import starts as places
+    from topomap.app.folder import make_writable
     from topomap.app.words import parse_seeds
+    from topomap.bench.searches import HEADINGS, KEPT, KEYS, kept_row, row, tally
+    from topomap.experiments.results import add_results
 
-    config, rows = load_config(None, settings), []
-    numbers = parse_seeds(seeds)
-    for world in worlds.split(","):
-        found = []
+    config, numbers, found = load_config(None, settings), parse_seeds(seeds), dict[str, list[Search]]()
+    make_writable(out)
+    for world in (word.strip() for word in worlds.split(",") if word.strip()):
+        found[world] = []
         with progress(world, len(numbers) * starts) as advance:
             for seed in numbers:
-                lesson = teach(world, seed, config)
-                for start in places(lesson, starts):
-                    found.append(search(lesson, start))
-                    advance(len(found))
-        rows.append((world, *row(tally(found))))
-    table("kidnapped", ("world", *HEADINGS), rows)
+                own = []
+                for one in bench.searches(world, seed, config, starts):
+                    own.append(one)
+                    advance(len(found[world]) + len(own))
+                found[world] += own
+                if keep is not None:
+                    add_results(keep, KEPT, [kept_row(world, seed, settings, tally(own))], KEYS)
+    table("kidnapped", ("world", *HEADINGS), [(world, *row(tally(own))) for world, own in found.items()])
+    console.print(str(bench.draw(found, out)), soft_wrap=True)
 
 
 def breaks(

@@ -1,4 +1,4 @@
-"""The calibration curve of closures: predicted probability of a true revisit against the share that was one."""
+"""Calibration curves: what was predicted against how often it was so, of closures as of being lost."""
 
 from __future__ import annotations
 
@@ -23,15 +23,20 @@ def closure_calibration(run: RunData) -> Figure:
     return calibration_curve({label: one for label, one in found.items() if one is not None})
 
 
-def calibration_curve(found: Mapping[str, Reliability]) -> Figure:
+def calibration_curve(
+    found: Mapping[str, Reliability],
+    predicted: str = "predicted probability of a true revisit",
+    was: str = "share that was true",
+    of: str = "candidates",
+) -> Figure:
     """Return one curve a label, with 95 % intervals of the share and the numbers behind it below."""
     figure = style.canvas(7.4, 4.6)
     axes, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
-    style.dress(axes, "Predicted and found", "", "share that was true")
-    style.dress(below, "", "predicted probability of a true revisit", "candidates")
+    style.dress(axes, "Predicted and found", "", was)
+    style.dress(below, "", predicted, of)
     axes.plot([0, 1], [0, 1], color=style.GREY, linewidth=1.0, linestyle=":")
     for (label, one), colour in zip(found.items(), COLOURS, strict=False):
-        _draw(axes, one, f"{label}: error {one.error:.3f}, {one.count.sum():.0f} candidates", colour)
+        _draw(axes, one, f"{label}: error {one.error:.3f}, {one.count.sum():.0f} {of}", colour)
         below.plot(one.predicted, one.count, color=colour, marker="o", markersize=3, linewidth=1.0)
     below.set_yscale("log")
     axes.set_xlim(-0.03, 1.03)
