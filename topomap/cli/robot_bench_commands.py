@@ -36,7 +36,8 @@ def kidnapped(
     from topomap.bench.searches import HEADINGS, KEPT, KEYS, kept_row, row, tally
     from topomap.experiments.results import add_results
 
-    config, numbers, found = load_config(None, settings), parse_seeds(seeds), dict[str, list[Search]]()
+    config, numbers = load_config(None, settings), parse_seeds(seeds)
+    found: dict[str, list[Search]] = {}
     make_writable(out)
     for world in (word.strip() for word in worlds.split(",") if word.strip()):
         found[world] = []
