@@ -76,6 +76,15 @@ def test_set_down_anywhere_it_finds_its_place(lesson: Lesson) -> None:
     assert figures.sure_and_wrong == 0
 
 
+def test_turned_beside_its_goal_it_proves_where_it_is_before_it_arrives() -> None:
+    """It stood there, as near as it could come, until its patience ended: looking alone proves nothing."""
+    lesson = teach("hall", 0, load_config(None, ["sim.driver.laps=0.05"]))
+    x, y, heading = lesson.end
+    found = search(lesson, (x, y, heading + 1.5))
+    assert found.right
+    assert len(found.lost) < 150
+
+
 def test_a_belief_that_begins_anywhere_is_lost_at_first(lesson: Lesson) -> None:
     records = journey(lesson, {}, 80, Localiser(ANYWHERE))
     assert records[0].where.lost > 0.05

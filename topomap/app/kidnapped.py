@@ -29,8 +29,6 @@ from topomap.navigation.navigator import Navigator
 from topomap.report.figures.calibration import calibration_curve
 from topomap.report.figures.style import png
 
-DOUBTFUL = 0.1
-"""Probability of being lost from which on the robot has noticed, if it told of no break."""
 ASIDE = 0.3
 """[m] How far beside the taught route the robot is set down at most."""
 Pose = tuple[float, float, float]
@@ -95,8 +93,8 @@ def search(lesson: Lesson, start: Pose, farthest: float = 35.0) -> Search:
         way, before = way + math.hypot(here[0] - before[0], here[1] - before[1]), here
         said.append(record.where.lost)
         wrong.append(_is_wrong(record.where, here, lesson.truth, navigator.mapper.map))
-        # who didn't say so may not have noticed: where it then is, it has to know by SOON
-        noticed = noticed or bool(record.change.broken) or said[-1] >= DOUBTFUL or way >= SOON
+        # who was sure all along has not noticed: where it then is, it has to know by SOON
+        noticed = noticed or bool(record.change.broken) or said[-1] >= FOUND or way >= SOON
         known = record.where.lost < FOUND and noticed and len(said) > 1
         if known or record.travel.phase in (Phase.ARRIVED, Phase.FAILED):
             return Search(known, known and not wrong[-1], way, np.array(said), np.array(wrong))

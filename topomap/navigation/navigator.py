@@ -9,6 +9,8 @@ from topomap.core.records import Command, Goal, Phase, StepRecord, Travel, Where
 from topomap.core.robot import Reading
 from topomap.mapping.mapper import Mapper
 from topomap.navigation.localiser import Localiser
+from topomap.navigation.localiser.belief import STRETCH
+from topomap.navigation.localiser.localiser import STRETCHES
 from topomap.navigation.manoeuvres.active_check import ActiveCheck
 from topomap.navigation.manoeuvres.hall_course import HallCourse
 from topomap.navigation.manoeuvres.relocalise import LOST, Relocalise
@@ -18,6 +20,9 @@ from topomap.navigation.sense_check import SenseCheck
 from topomap.navigation.senses import Senses
 from topomap.navigation.stopwatch import Stopwatch
 from topomap.navigation.traveller import Traveller
+
+PROOF = STRETCHES * STRETCH
+"""[m] Way that a robot that was carried or turned needs to prove where it is."""
 
 
 class Navigator:
@@ -103,10 +108,15 @@ class Navigator:
         if senses.health.stop:
             return None
         seen = senses.trusted()
-        found = self._relocalise.step(seen, senses.contact, where, goal, self.mapper, self.localiser.searching)
+        searching = self.localiser.searching or (self.localiser.unproven and self._near(goal, where))
+        found = self._relocalise.step(seen, senses.contact, where, goal, self.mapper, searching)
         if found is not None or goal.phase is not Phase.TRAVEL:
             return found
         return self._active.step(seen, senses.contact, self.mapper)
+
+    def _near(self, goal: Goal, where: Where) -> bool:
+        """Return whether the goal would be reached before it is proved that it is the goal."""
+        return goal.node is not None and where.pose.distance(self.mapper.map.pose(goal.node)) < PROOF
 
 
 def _with_event(travel: Travel, event: str) -> Travel:

@@ -73,6 +73,11 @@ class Localiser:
         """Whether the robot was carried and hasn't found itself yet."""
         return self._lost
 
+    @property
+    def unproven(self) -> bool:
+        """Whether it was carried or turned, and what it sees hasn't proved yet where it is."""
+        return self._unproven
+
     def update(self, panorama: Panorama, mapper: Mapper, change: MapChange, driven: bool) -> Where:
         """Return the belief of this step; driven: somebody else has the wheels, and the map grows."""
         if change.broken:
