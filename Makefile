@@ -60,7 +60,8 @@ results: $(VENV)/.test ## the figures of docs/results, docs/THESIS.md and docs/R
 	$(BIN)/topomap bench journeys --worlds office-loop --seeds 20-24 --kinds $(DISTURBED) $(KEEP)/journeys.csv
 	$(BIN)/topomap bench journeys --worlds office-loop --seeds 20-24 --kinds $(DISTURBED) \
 		--set stack.mapper.snapshots.view=90x12x4 $(KEEP)/journeys.csv
-	$(BIN)/topomap bench graphs --graphs CSAIL,intel --peers DCS,GNC,Huber --limit 20 $(KEEP)/graphs.csv
+	$(BIN)/topomap bench kidnapped examples/worlds/two-corridors.toml,office-loop --seeds 60-64 $(KEEP)/kidnapped.csv
+	$(BIN)/topomap bench graphs --graphs CSAIL,intel --peers DCS,GNC,Huber $(KEEP)/graphs.csv
 	$(BIN)/topomap bench graphs --graphs manhattanOlson3500 --peers DCS --limit 60 $(KEEP)/graphs.csv
 	$(BIN)/topomap bench graphs --graphs w10000 --peers none --seeds 0 $(KEEP)/graphs.csv
 	$(BIN)/python -m tests.fuzz $(KEEP)/fuzz.csv

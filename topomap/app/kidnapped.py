@@ -116,7 +116,7 @@ def searches(world: str, seed: int, config: RunConfig, count: int) -> Iterator[S
 
 def draw(found: Mapping[str, Sequence[Search]], folder: Path) -> Path:
     """Write the curves of what `lost` said, one a world, into a folder; return the file."""
-    curves = {Path(world).stem: curve(tally(own)) for world, own in found.items()}
+    curves = {f"{Path(world).stem}, {len(own)} starts": curve(tally(own)) for world, own in found.items()}
     path = folder / "lost.png"
-    path.write_bytes(png(calibration_curve(curves, "lost, as the robot said", "share that was wrong", "starts")))
+    path.write_bytes(png(calibration_curve(curves, "lost, as the robot said", "share that was wrong", "starts", False)))
     return path

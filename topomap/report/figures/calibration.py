@@ -28,15 +28,20 @@ def calibration_curve(
     predicted: str = "predicted probability of a true revisit",
     was: str = "share that was true",
     of: str = "candidates",
+    counted: bool = True,
 ) -> Figure:
-    """Return one curve a label, with 95 % intervals of the share and the numbers behind it below."""
+    """Return one curve a label, with 95 % intervals of the share and the numbers behind it below.
+
+    of: what is counted; counted: each counts in one place, so that their sum is told.
+    """
     figure = style.canvas(7.4, 4.6)
     axes, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
     style.dress(axes, "Predicted and found", "", was)
     style.dress(below, "", predicted, of)
     axes.plot([0, 1], [0, 1], color=style.GREY, linewidth=1.0, linestyle=":")
     for (label, one), colour in zip(found.items(), COLOURS, strict=False):
-        _draw(axes, one, f"{label}: error {one.error:.3f}, {one.count.sum():.0f} {of}", colour)
+        many = f", {one.count.sum():.0f} {of}" if counted else ""
+        _draw(axes, one, f"{label}: error {one.error:.3f}{many}", colour)
         below.plot(one.predicted, one.count, color=colour, marker="o", markersize=3, linewidth=1.0)
     below.set_yscale("log")
     axes.set_xlim(-0.03, 1.03)
