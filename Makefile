@@ -45,6 +45,7 @@ results: $(VENV)/.test ## the figures of docs/results, docs/THESIS.md and docs/R
 	for g in $(GRIDS); do for w in 0.1 0.3 0.5 0.7; do $(BIN)/topomap bench homing --grid $$g --within $$w \
 		--no-pictures $(KEEP)/grids.csv || exit 1; done; done
 	$(BIN)/topomap sweep room-corridor office-loop --seeds 0-9 --set stack.mission.then=stop --out runs/loop
+	$(BIN)/topomap sweep office-loop --seeds 0-9 --variants examples/sweeps/standing.toml --set stack.mission.then=stop --out runs/standing
 	$(BIN)/topomap bench loop-rule $$(find runs/loop -name run.mcap | sort) $(KEEP)/loop-rule.csv
 	$(BIN)/topomap bench spacing $(KEEP)/spacing.csv
 	$(BIN)/topomap bench study all --seeds 0-1 --every 8 $(KEEP)/studies.csv

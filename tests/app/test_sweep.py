@@ -48,11 +48,13 @@ def test_variants_are_every_combination(tmp_path: Path) -> None:
     assert not any(" " in str(task.folder.relative_to(tmp_path)) for task in tasks)
 
 
-@pytest.mark.parametrize("name", ["conditions", "real-weather"])
-def test_the_example_holds_settings_that_there_are(tmp_path: Path, name: str) -> None:
+@pytest.mark.parametrize(
+    ("name", "world", "count"), [("conditions", DEN, 8), ("real-weather", DEN, 8), ("standing", "office-loop", 5)]
+)
+def test_the_example_holds_settings_that_there_are(tmp_path: Path, name: str, world: str, count: int) -> None:
     example = Path(__file__).parents[2] / "examples" / "sweeps" / f"{name}.toml"
-    tasks = plan([DEN], [0], None, SHORT, variants([], example), tmp_path)
-    assert len({task.config.model_dump_json() for task in tasks}) == len(tasks) >= 8
+    tasks = plan([world], [0], None, SHORT, variants([], example), tmp_path)
+    assert len({task.config.model_dump_json() for task in tasks}) == len(tasks) >= count
 
 
 @pytest.mark.parametrize(
