@@ -23,6 +23,8 @@ from topomap.navigation.localiser import ANYWHERE, Localiser
 from topomap.navigation.localiser.belief import Belief
 from topomap.navigation.localiser.mixture import Mixture
 
+CHAOS = 2e-3
+"""By what a robot that steers by what it sees differs after 60 steps, from one kind of processor to another."""
 PART = ["sim.driver.laps=0.3", "sim.camera.noise=2.0"]
 
 
@@ -104,11 +106,12 @@ def test_turned_on_the_spot_the_view_tells_the_turn_and_nothing_is_lost(lesson: 
 
 
 def test_finding_itself_is_as_before(lesson: Lesson) -> None:
-    as_before("found anywhere", of_drive(journey(lesson, {}, 80, Localiser(ANYWHERE)), 2))
+    as_before("found anywhere", of_drive(journey(lesson, {}, 80, Localiser(ANYWHERE)), 2), close=CHAOS)
 
 
 def test_the_lesson_and_the_way_home_are_as_before(lesson: Lesson) -> None:
-    as_before("way home", of_drive(journey(lesson, {"kidnaps": [{"handed_over_s": 2.0, "along": -5.0}]}, 60), 2))
+    found = journey(lesson, {"kidnaps": [{"handed_over_s": 2.0, "along": -5.0}]}, 60)
+    as_before("way home", of_drive(found, 2), close=CHAOS)
 
 
 @pytest.mark.parametrize(("alike", "said"), [(0.3, "the odometry was 1.5 m off"), (2.0, "")])
