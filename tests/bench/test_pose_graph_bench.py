@@ -114,7 +114,7 @@ def test_without_false_closures_kind_and_seed_change_nothing() -> None:
 
 
 def test_a_peer_that_takes_too_long_is_stopped_and_says_so() -> None:
-    graph, _ = drive()
+    graph, _ = drive(rounds=16)  # half a second of DCS's: no machine is done within the limit
     rows = of(bench(graph, design(peers=["GNC", "DCS"], limit=1e-4)))
     assert [(row.method, row.stopped) for row in rows] == [(OURS, False), ("GNC", True), ("DCS", True)]
     assert rows[1].recall is None
