@@ -25,6 +25,7 @@ UNMAPPED = 0.2
 """Probability, before anything is seen, that a robot was carried to where the map has no places. Views of other worlds
 are at least 0.65 of what is usual off the most alike place, those of the map 0.1 to 0.25."""
 ODDS = UNMAPPED / (1.0 - UNMAPPED)
+"""Of being off the map."""
 
 
 def set_down(mixture: Mixture, seen: Seen, places: FloatArray) -> Mixture:
