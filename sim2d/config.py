@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Literal, Self
+from typing import ClassVar, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 
 class Section(BaseModel):
-    """A read-only section that refuses unknown keys."""
+    """A read-only section that refuses unknown keys.
 
+    FLAWS: its fields that make a robot or its surroundings worse than they usually are.
+    """
+
+    FLAWS: ClassVar[tuple[str, ...]] = ()
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
 
@@ -55,6 +59,10 @@ class SwayConfig(Section):
 class CameraConfig(Section):
     """The panoramic camera."""
 
+    FLAWS = (
+        "gain", "exposure", "exposure_lag", "white_balance", "light_changes", "hour_rate", "blur", "roll_deg",
+        "pitch_deg", "missing", "repeated", "lag", "quality", "max_bytes", "lens", "shutter", "sway",
+    )  # fmt: skip
     width: int = Field(720, ge=8, le=7200, description="columns of the panorama [pixels]")
     height: int = Field(100, ge=4, le=2000, description="rows of the panorama [pixels]")
     camera_height: float = Field(0.6, gt=0, le=3, description="eye level above the floor [m]")
@@ -86,6 +94,7 @@ class CameraConfig(Section):
 class LaserConfig(Section):
     """The range scanner."""
 
+    FLAWS = ("dropout", "lag")
     scanner: Literal["ring", "urg", "none"] = Field(
         "ring", description="all round at once, two opposite shots of a scanner, or the camera alone"
     )
@@ -100,6 +109,7 @@ class LaserConfig(Section):
 class OdometerConfig(Section):
     """Errors: forward_read = distance_scale * forward; turn_read = rotation_scale * turn + curvature * forward."""
 
+    FLAWS = ("turn_noise_per_rad_deg", "declared", "slip", "slip_turn_deg", "floor", "floor_patch", "load")
     distance_scale: float = Field(0.95, ge=0.1, le=10, description="distance read per true metre")
     rotation_scale: float = Field(1.04, ge=0.1, le=10, description="turn read per true turn")
     curvature: float = Field(0.003, ge=-10, le=10, description="turn read per true metre, from unequal wheels [rad/m]")
@@ -159,6 +169,7 @@ class StartConfig(Section):
 class PeopleConfig(Section):
     """People besides those of the world."""
 
+    FLAWS = ("extra", "beside")
     extra: int = Field(0, ge=0, le=200, description="people who walk to and fro along stretches of the robot's route")
     beside: int = Field(0, ge=0, le=20, description="people who walk beside the robot all the way and hide the view")
 
@@ -212,6 +223,7 @@ class OdometryFaultConfig(MomentConfig):
 class SimConfig(Section):
     """All of the simulator."""
 
+    FLAWS = ("floor_gloss", "kidnaps", "odometry_faults")
     textures: int = Field(0, ge=0, le=10**6, description="seed of the looks of a world's surfaces")
     camera: CameraConfig = Field(default_factory=CameraConfig, description="panoramic camera")
     laser: LaserConfig = Field(default_factory=LaserConfig, description="range scanner")

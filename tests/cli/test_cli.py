@@ -99,6 +99,30 @@ def test_config_show_prints_what_config_reads(
     assert again == load_config(None, ["sim.camera.hour=14", "stack.mission.then=stop"])
 
 
+def test_config_show_leaves_out_what_makes_the_simulated_robot_worse_until_asked(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert call(monkeypatch, "config", "show") == 0
+    short = capsys.readouterr().out.splitlines()
+    assert call(monkeypatch, "config", "show", "--all") == 0
+    whole = capsys.readouterr().out.splitlines()
+    left = sum("default " in line for line in whole) - sum("default " in line for line in short)
+    assert sum("default " in line for line in short) < 60, "as many as somebody reads"
+    assert short[-1] == f"# {left} more by which the simulated robot can be made worse: topomap config show --all"
+    worse = {"blur = 0.0", "[sim.camera.lens]"}
+    assert worse <= set(whole)
+    assert not worse & set(short)
+    assert all(line in whole for line in short[:-1])
+
+
+def test_config_show_keeps_what_is_set(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    asked = ["--set", "sim.camera.lens.seam=0.1", "--set", "sim.camera.blur=1.5"]
+    assert call(monkeypatch, "config", "show", *asked) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert {"seam = 0.1", "blur = 1.5"} <= set(lines)
+    assert "roll_deg = 0.0" not in lines
+
+
 def test_config_show_prints_tables_in_lists(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import get_args
 
 from annotated_types import Ge, Gt, Le, Lt
@@ -15,10 +15,17 @@ from topomap.app.config import RunConfig
 SIGNS = {Ge: ">=", Gt: ">", Le: "<=", Lt: "<"}
 
 
-def settings_toml(config: RunConfig) -> str:
-    """Return a configuration as TOML that `--config` reads, each setting under a comment that says what it means."""
+def settings_toml(config: RunConfig, flaws: bool = True) -> str:
+    """Return a configuration as TOML that `--config` reads, each setting under a comment that says what it means.
+
+    flaws: also by what the simulated robot can be made worse, and isn't; what is set is always there.
+    """
     head = "# Settings of a run; leave out what shall keep its default. One for a single run: --set section.key=value"
-    return "\n".join([head, *_section(config, RunConfig(), ())]) + "\n"
+    default = RunConfig()
+    lines = list(_section(config, default, (), flaws))
+    if left := 0 if flaws else _count(_section(config, default, (), True)) - _count(lines):
+        lines += ["", f"# {left} more by which the simulated robot can be made worse: topomap config show --all"]
+    return "\n".join([head, *lines]) + "\n"
 
 
 def settings_schema() -> str:
@@ -26,10 +33,12 @@ def settings_schema() -> str:
     return json.dumps(RunConfig.model_json_schema(), indent=2)
 
 
-def _section(section: BaseModel, default: BaseModel, path: tuple[str, ...]) -> Iterator[str]:
+def _section(section: BaseModel, default: BaseModel, path: tuple[str, ...], flaws: bool) -> Iterator[str]:
     """Yield the lines of a section and of those in it; default: the section as it is when nothing is set."""
     fields = type(section).model_fields
     rows = [(name, getattr(section, name), getattr(default, name)) for name in fields]
+    if not flaws:
+        rows = [row for row in rows if row[0] not in getattr(section, "FLAWS", ()) or row[1] != row[2]]
     plain = [row for row in rows if not isinstance(row[1], BaseModel)]
     if plain:
         yield from ("", f"[{'.'.join(path)}]")
@@ -37,7 +46,12 @@ def _section(section: BaseModel, default: BaseModel, path: tuple[str, ...]) -> I
         yield from _setting(name, value, usual, fields[name])
     for name, value, usual in rows:
         if isinstance(value, BaseModel):
-            yield from _section(value, usual, (*path, name))
+            yield from _section(value, usual, (*path, name), flaws)
+
+
+def _count(lines: Iterable[str]) -> int:
+    """Return how many settings the lines show: each has a comment that ends in its default."""
+    return sum(line.startswith("# ") and "default " in line for line in lines)
 
 
 def _setting(name: str, value: object, usual: object, field: FieldInfo) -> Iterator[str]:

@@ -22,12 +22,16 @@ def _group() -> None:
 
 
 @configs.command()
-def show(config: Path | None = CONFIG, settings: list[str] = SETTINGS) -> None:
-    """All settings as TOML with meaning, unit, bounds and default, as --config reads it; a file and --set change it."""
+def show(
+    config: Path | None = CONFIG,
+    settings: list[str] = SETTINGS,
+    everything: bool = typer.Option(False, "--all", help="Also what makes the simulated robot worse, and isn't set."),
+) -> None:
+    """The settings as TOML with meaning, unit, bounds and default, as --config reads it; a file and --set change it."""
     from topomap.app.config import load_config
     from topomap.app.settings import settings_toml
 
-    print(settings_toml(load_config(config, settings)), end="")
+    print(settings_toml(load_config(config, settings), flaws=everything), end="")
 
 
 @configs.command()
