@@ -209,6 +209,25 @@ def test_a_slip_along_a_corridor_is_told_by_the_view(times: float) -> None:
     assert true.distance(pose) < 0.35, "0.8 to 2.4 m were counted wrongly"
 
 
+@pytest.mark.parametrize("times", [2.7, 0.4])
+def test_a_slip_takes_no_turn_away_that_ranges_confirm(times: float) -> None:
+    watch, between_looks = OdometryWatch(), list[float | None]()
+    for k, reading in enumerate(along_a_corridor(90, 1)):
+        slips = changed(reading, 0.0, 0.0, times) if 30 <= k < 44 else reading
+        watch.judge(Panorama.from_reading(slips), slips.motion, CALIBRATED)
+        if watch.seen is not None and k % 5:
+            between_looks.append(watch.seen.turns)
+    assert len(between_looks) >= 8
+    assert set(between_looks) == {None}
+
+
+@pytest.mark.parametrize("along", [134, 195, 2504])
+def test_things_along_a_narrow_corridor_are_no_slip(along: int) -> None:
+    robot = SimRobot(worlds.load("campus"), load_config(None, [f"sim.start.along={along}"]).sim, 0)
+    readings = [reading for _ in range(60) if (reading := robot.sense()) is not None]
+    assert watched(readings)[:2] == ([], [])
+
+
 def faster(readings: list[SimReading], since: int, times: int) -> list[SimReading]:
     """The same drive, from a reading on so many times as fast."""
     fast = []

@@ -34,11 +34,11 @@ class ScanWatch:
     """Lays every fifth scan over the one five steps before it.
 
     Along corridors, which ranges don't tell, the view has to be the one predicted there.
-    untrue: whether the odometry of late wasn't what these show; said: about the last step, "" for nothing.
+    untrue: whether the odometry of late wasn't what these show; turn_untrue: whether its turn wasn't, either; said: about the last step, "" for nothing.
     """
 
     def __init__(self) -> None:
-        self.untrue = False
+        self.untrue = self.turn_untrue = False
         self.said = ""
         self.sees = False
         self._view: Panorama | None = None
@@ -51,7 +51,7 @@ class ScanWatch:
 
     def begin(self, panorama: Panorama) -> None:
         """Begin anew with a view: what was before it isn't compared with."""
-        self.untrue, self.said, self._slack = False, "", Pose2()
+        self.untrue, self.turn_untrue, self.said, self._slack = False, False, "", Pose2()
         self._restart(panorama)
 
     def step(
@@ -127,7 +127,10 @@ class ScanWatch:
         seen = shown.pose
         away = np.abs(shown.told @ (seen.array()[:2] - self._read.array()[:2])).max(initial=0.0)
         much = max(WAY_OFF, WAY_SHARE * math.hypot(seen.x, seen.y))
-        return bool(away > much) or abs(wrap(seen.heading - self._read.heading)) > TURN_OFF
+        return bool(away > much) or self._turn_off(shown)
+
+    def _turn_off(self, shown: Shown) -> bool:
+        return abs(wrap(shown.pose.heading - self._read.heading)) > TURN_OFF
 
     def _judge(self, shown: Shown | None) -> Pose2 | None:
         """Return where the robot is since the last look where that isn't what is believed."""
@@ -135,6 +138,7 @@ class ScanWatch:
             self._slack = Pose2()
             return None
         before, self.untrue = self.untrue, self._off(shown)
+        self.turn_untrue = self.untrue and (self._stood > 0 or self._turn_off(shown))
         seen = shown.pose
         slack, self._slack = self._slack, self._believed.to(seen)
         if self.untrue and not before:

@@ -127,8 +127,9 @@ class OdometryWatch:
         by_usual = leapt or self._scans.untrue
         if by_usual or turned:
             ways = SEEN_WAY if by_usual else None
+            turns = SEEN_TURN if leapt or turned or self._scans.turn_untrue else None
             forward, left = (usual, 0.0) if by_usual else (read.forward, read.left)
-            self.seen = Restated(forward, left, turn, ways, SEEN_TURN)
+            self.seen = Restated(forward, left, turn, ways, turns)
         if leapt and not self._leaps.before:
             self.said = f"the odometry leapt by {abs(read.forward):.1f} m in a step; the usual {usual:.2f} m are taken"
         elif turned:
@@ -171,4 +172,5 @@ def _corrected(motion: MotionReading, calibration: Calibration) -> Motion:
 
 def _stated(read: Motion, seen: Restated) -> Motion:
     forward, left = (read.forward, read.left) if seen.ways is None else (seen.forward, seen.left)
-    return Motion(forward, left, seen.turn, read.covariance, read.dt)
+    turn = read.turn if seen.turns is None else seen.turn
+    return Motion(forward, left, turn, read.covariance, read.dt)
