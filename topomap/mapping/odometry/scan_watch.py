@@ -33,8 +33,9 @@ EXACT, EXACT_TURN = 0.05, math.radians(1.0)
 class ScanWatch:
     """Lays every fifth scan over the one five steps before it.
 
-    Along corridors, which ranges don't tell, the view has to be the one predicted there.
-    untrue: whether the odometry of late wasn't what these show; turn_untrue: whether its turn wasn't, either; said: about the last step, "" for nothing.
+    Along corridors, which ranges don't tell, the views have to be those predicted there.
+    untrue: whether the odometry of late wasn't what these show; turn_untrue: whether its turn wasn't, either; said:
+    about the last step, "" for nothing.
     """
 
     def __init__(self) -> None:

@@ -1,4 +1,4 @@
-"""How far the robot went along a direction that ranges don't tell: the views before and after, both predicted midway."""
+"""How far the robot went along a direction that ranges don't tell: both views, before and after, predicted midway."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from topomap.vision.image.surroundings import predicted
 
 SPACING = 0.1
 """[m] Between the places that are tried. In 1,580 looks, half a metre apart, along the corridors of seven worlds, with
-people, noise and by evening too, the likeliest of them was within 0.1 m of the truth in 1,573 and 0.15 m and more off in
-five."""
+people, noise and by evening too, the likeliest of them was within 0.1 m of the truth in 1,573, and 0.15 m and more off
+in five."""
 BEYOND, FARTHEST = 0.5, 2.0
 """[m] Farther than anything says, and farthest, that is tried: a view predicted from farther off is none."""
 CLEARLY = 1.2
