@@ -11,7 +11,7 @@ from topomap.vision.image.compare import parabola, sector_means
 from topomap.vision.image.surroundings import predicted
 
 SPACING = 0.1
-"""[m] Between the places that are tried. In 1,580 looks, half a metre apart, along the corridors of seven worlds, with
+"""[m] Between the places that are tried. In 1,580 looks, half a metre apart, along the corridors of six worlds, with
 people, noise and by evening too, the likeliest of them was within 0.1 m of the truth in 1,573, and 0.15 m and more off
 in five."""
 BEYOND, FARTHEST = 0.5, 2.0
