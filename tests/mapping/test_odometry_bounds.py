@@ -35,7 +35,7 @@ from topomap.mapping.odometry.gap import GAP, Restated, bridged, restated
 from topomap.mapping.odometry.increments import Calibration, Increments
 from topomap.mapping.odometry.leaps import FEWEST
 from topomap.mapping.odometry.noise import MUCH, OdometerNoise, declared, rolled
-from topomap.mapping.odometry.scan_watch import STEPS, STOOD, TURN_OFF, WAY_OFF, ScanWatch, Shown
+from topomap.mapping.odometry.scan_watch import SEEN_OFF, STEPS, STOOD, TURN_OFF, WAY_OFF, ScanWatch, Shown
 from topomap.mapping.odometry.usual_change import LATELY, SELDOM, UsualChange
 from topomap.mapping.odometry.watch import PATIENCE, OdometryWatch
 from topomap.mapping.optimisation import Optimisation, OptimisationSettings
@@ -216,6 +216,15 @@ def test_neighbours_are_compared_at_their_bounds(monkeypatch: pytest.MonkeyPatch
         constraints._take(turn, values[0], 0.01 if values[0] == values[0] else math.nan, values[1], values[2])
         told += [v for edge in constraints.turns for v in (edge.turn, edge.sigma)] + [len(constraints.turns)]
     as_before("odometry neighbours", {"told": told})
+
+
+def test_what_views_show_may_differ_by_more_than_what_ranges_show() -> None:
+    def untrue(x: float, by_views: bool) -> bool:
+        shown = Shown(Pose2(x, 0.0, 0.0), np.eye(2), 0.5, **({"off": SEEN_OFF} if by_views else {}))
+        return ScanWatch()._off(shown)
+
+    assert [untrue(WAY_OFF + e, by_views=False) for e in (-1e-9, 1e-9)] == [False, True]
+    assert [untrue(SEEN_OFF + e, by_views=True) for e in (-1e-9, 1e-9)] == [False, True]
 
 
 def test_scans_are_laid_over_one_another_at_their_bounds() -> None:
