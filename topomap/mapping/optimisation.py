@@ -57,7 +57,7 @@ class Optimisation:
     """Collects the evidence on the odometry's errors and solves for poses and calibration.
 
     A small map is solved whole, within a step. Of a large one the newest stretch is; the whole is, when it has grown by
-    a share or a closure says something new. Both are solved a slice a step, and the result applied then: after a number
+    a share, or a closure says something new or what the stretch alone can't fit. Both are solved a slice a step, and the result applied then: after a number
     of steps that depends on the map alone, so that a replay does the same.
     """
 
@@ -74,6 +74,7 @@ class Optimisation:
         self._heard = 0
         self.solves = 0
         self._surprise = 0.0
+        self._unfit = False  # a closure that no solve of all has heard of doesn't fit beside the newest stretch
         self.contest: Contest | None = None
         self._known: Calibration | None = None  # of a loaded map
 
@@ -183,7 +184,7 @@ class Optimisation:
         nodes = len(self._map.nodes)
         if not self._large:
             return self._surprise > self._s.surprise or nodes - self._solved_nodes >= self._s.every
-        return self._surprise > ALARM or nodes > (1 + GROWTH) * self._whole_nodes
+        return self._unfit or self._surprise > ALARM or nodes > (1 + GROWTH) * self._whole_nodes
 
     @property
     def _stretch_due(self) -> bool:
@@ -192,7 +193,7 @@ class Optimisation:
 
     def _start(self) -> None:
         self._solved_nodes = self._whole_nodes = len(self._map.nodes)
-        self._surprise = 0.0
+        self._surprise, self._unfit = 0.0, False
         self._running = self._solving_whole()
 
     def _solving_whole(self) -> Slices[Solution]:
@@ -252,10 +253,12 @@ class Optimisation:
             self._stretch = None
             self.solves += 1
             found, heard = end.value
+            weights = found.solution.closure_weights
+            self._unfit = any(k >= self._heard for k, weight in zip(heard, weights, strict=True) if weight < 0.5)
             if not found.solution.improved:
                 return False, []
             self._map.shift(found.nodes, found.solution.poses)
-            return True, self._review(stamp_ns, ledger, heard, found.solution.closure_weights)
+            return True, self._review(stamp_ns, ledger, heard, weights)
         return False, []
 
     @property
