@@ -57,8 +57,8 @@ class Optimisation:
     """Collects the evidence on the odometry's errors and solves for poses and calibration.
 
     A small map is solved whole, within a step. Of a large one the newest stretch is; the whole is, when it has grown by
-    a share, or a closure says something new or what the stretch alone can't fit. Both are solved a slice a step, and the result applied then: after a number
-    of steps that depends on the map alone, so that a replay does the same.
+    a share, or a closure says something new or doesn't fit beside the stretch. Both are solved a slice a step, and the
+    result applied then: after a number of steps that depends on the map alone, so that a replay does the same.
     """
 
     def __init__(self, settings: OptimisationSettings, aligner: Aligner, topo: TopoMap) -> None:
