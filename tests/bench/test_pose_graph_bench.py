@@ -12,6 +12,7 @@ from graphs import ring_graph
 
 from topomap.bench.pose_graphs.bench import OURS, Design, Row, bench
 from topomap.bench.pose_graphs.clean import bridged, clean_optimum
+from topomap.bench.pose_graphs.figure import injection
 from topomap.bench.pose_graphs.injection import inject
 from topomap.bench.pose_graphs.kept import KEPT, kept_rows, rows_of
 from topomap.bench.pose_graphs.overview import overview
@@ -155,6 +156,9 @@ def test_a_peer_stopped_without_false_closures_is_not_asked_with_any(monkeypatch
     monkeypatch.setattr(PeerProcess, "run", lambda _, __, graph: nothing(graph, 2.0, 0.0, stopped=True))
     rows = of(bench(drive()[0], design(shares=[0.0, 0.2], seeds=[0, 1], peers=["DCS"])))
     assert [row.asked for row in rows if row.method == "DCS"] == [True, False, False]
+    times = {line.get_label(): line for line in injection(rows, "random").axes[3].get_lines()}
+    assert times["DCS"].get_xydata().tolist() == [[0.0, 2.0]], "a peer that wasn't asked took no time at all"
+    assert len(times[OURS].get_xydata()) == 2
 
 
 @pytest.mark.parametrize("method", PEERS)

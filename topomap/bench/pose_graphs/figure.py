@@ -26,7 +26,7 @@ def kinds(rows: Sequence[Row]) -> list[str]:
 def injection(rows: Sequence[Row], kind: str) -> Figure:
     """Return a row of panels a graph, a line a method: the mean over seeds, with the worst and best as a band.
 
-    ATE is to the clean optimum; a method whose runs were stopped has no point there.
+    ATE is to the clean optimum; a method whose runs were stopped has no point there, and none where it wasn't asked.
     """
     own = [row for row in rows if row.kind in (kind, NONE)]
     graphs = list(dict.fromkeys(row.graph for row in own))
@@ -51,7 +51,7 @@ def injection(rows: Sequence[Row], kind: str) -> Figure:
 def _draw(axes: Axes, own: Sequence[Row], name: str, colour: str, sign: str) -> None:
     shares, middle, low, high = [], [], [], []
     for share in sorted({row.false_share for row in own}):
-        values = [getattr(row, name) for row in own if row.false_share == share]
+        values = [getattr(row, name) for row in own if row.false_share == share and row.asked]
         known = [value for value in values if value is not None]
         if known:
             shares.append(100 * share)
