@@ -149,3 +149,12 @@ def test_a_closure_that_the_newest_stretch_cant_fit_asks_for_all() -> None:
         optimisation.update(stamp, ledger)
     assert topo.pose(1).distance(topo.pose(601)) < 0.5
     assert len(topo.closures) == 3
+
+
+def test_what_was_given_up_or_taken_back_was_not_heard(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Closures after those that were taken back have other places in the list: a stretch may ask for all by them."""
+    _, optimisation, ledger = believed(Back([1.0, 1.0]), monkeypatch)
+    optimisation.solve(7, ledger)
+    assert optimisation._heard == 2
+    optimisation.disbelieve(8, ledger, {5}, "it was elsewhere")
+    assert optimisation._heard == 0

@@ -148,6 +148,7 @@ class Optimisation:
     def abandon(self) -> None:
         """Give up what is being solved: the map isn't any more what it was asked of."""
         self._running = self._stretch = None
+        self._heard = 0  # what a solve of all was asked that never ended, or in other places of the list
 
     def disbelieve(self, stamp_ns: int, ledger: Ledger, behind: set[int], reason: str) -> list[Decision]:
         """Take back for good what joins nodes `behind` a gap with others: it was seen by one who was elsewhere."""
