@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
+import pytest
 from maps import snapshot
 from ring import edges_of, ring
 
@@ -10,6 +13,7 @@ from topomap.core.arrays import FloatArray
 from topomap.core.geometry import between
 from topomap.mapping.graph import Node, TopoMap
 from topomap.mapping.odometry.increments import Calibration
+from topomap.mapping.odometry.noise import OdometerNoise
 from topomap.mapping.optimizer import TurnEdge
 from topomap.mapping.uncertainty.incremental_chain import IncrementalChain
 from topomap.mapping.uncertainty.odometry_chain import Chain, carried_to_origin
@@ -101,6 +105,12 @@ def test_the_growing_chain_is_the_whole_one_after_every_change() -> None:
             topo.move(moved, topo.calibration)
         if k == 25:
             topo.move(topo.poses.copy(), Calibration(1.02, 0.001, 0.97))
+        if k == 23:
+            topo.judge(OdometerNoise(2.0, 3.0))
+        if k == 27:  # one in the middle says something new, one nothing any more, the rest what it said
+            turns[:] = [replace(turn, sigma=0.02 if turn is turns[9] else turn.sigma) for turn in turns]
+            del turns[14]
+            topo.weigh(list(turns))
         found, whole = growing.current(UNSURE), IncrementalChain(topo, turns).current(UNSURE)
         for mine, other in zip(
             (found.poses, found.travelled, found.random, found.systematic),
@@ -108,6 +118,27 @@ def test_the_growing_chain_is_the_whole_one_after_every_change() -> None:
             strict=True,
         ):
             assert np.allclose(mine, other, rtol=1e-9, atol=1e-12)
+
+
+def test_turns_weighed_anew_that_say_what_they_said_cost_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every stretch of a large map weighs them, and the way of 13,000 nodes was summed up anew each time."""
+    topo, turns = TopoMap(), []
+    last = topo.add(Node(0, 0.0, snapshot(0)), None)
+    for k, edge in enumerate(edges_of(ring(3, nodes=30, length=30, closures=0).problem)):
+        new = topo.add(Node(int(edge.increments.stamps_ns[-1]), 0.0, snapshot(k)), edge.increments)
+        turns.append(TurnEdge(last, new, 0.0, 0.01))
+        last = new
+    growing, summed = IncrementalChain(topo, turns), []
+    growing.current(UNSURE)
+    of = Chain.of
+    monkeypatch.setattr(
+        Chain, "of", lambda poses, edges, *rest: summed.append(len(edges.turn)) or of(poses, edges, *rest)
+    )
+    turns[:-2] = [replace(turn) for turn in turns[:-2]]
+    turns[-2] = replace(turns[-2], sigma=0.02)
+    topo.weigh(list(turns))
+    growing.current(UNSURE)
+    assert summed == [2]
 
 
 def test_a_measured_turn_takes_away_what_it_tells_and_no_more() -> None:

@@ -16,9 +16,10 @@ from topomap.mapping.experience import Experience
 from topomap.mapping.graph_hash import Hashed, graph_hash, topology_hash
 from topomap.mapping.nodes import Node as Node
 from topomap.mapping.nodes import Snapshot as Snapshot
+from topomap.mapping.odometry.chain_increments import ChainIncrements
 from topomap.mapping.odometry.gap import bridged
 from topomap.mapping.odometry.increments import Calibration, Increments, integrate, track
-from topomap.mapping.odometry.noise import AS_DECLARED, OdometerNoise
+from topomap.mapping.odometry.noise import OdometerNoise
 from topomap.mapping.optimizer.problem import ClosureEdge, TurnEdge
 
 BETWEEN_DRIVES_NS = 3_600_000_000_000
@@ -33,8 +34,8 @@ class TopoMap:
 
     names: each node's number for people, which stays when others are taken out; places: a name given to a node's
     number; jumps: nodes that can't be driven to from the one before them on the chain, as another drive begins there,
-    or as the way between was taken out; view: what is kept of a snapshot; noise: what its odometry's declared variances
-    are taken times; weighings: how often the measured turns were weighed anew.
+    or as the way between was taken out; view: what is kept of a snapshot; weighings: how often the measured turns were
+    weighed anew.
     """
 
     def __init__(self) -> None:
@@ -47,14 +48,17 @@ class TopoMap:
         self.closures: list[ClosureEdge] = []
         self.turns: list[TurnEdge] = []
         self.calibration = Calibration()
-        self.noise = AS_DECLARED
         self.weighings = 0
         self.experience = Experience()
         self.graph: nx.Graph[int] = nx.Graph()
         self._next_name = 0
         self._poses = np.zeros((64, 3))
-        self._increments: dict[tuple[int, int], Increments] = {}
-        self._judged: dict[tuple[int, int], Increments] = {}
+        self._increments = ChainIncrements()
+
+    @property
+    def noise(self) -> OdometerNoise:
+        """What the odometry's declared variances are taken times."""
+        return self._increments.noise
 
     @property
     def poses(self) -> FloatArray:
@@ -132,7 +136,6 @@ class TopoMap:
         moved = compose(pose.array(), between(self.poses[node], self.poses[rest]))
         target = self.pose(before).to(pose)
         self._increments[before, node] = bridged(self._increments[before, node], self.calibration, target)
-        self._judged.pop((before, node), None)
         self.poses[rest] = moved
 
     def shift(self, nodes: IntArray, poses: FloatArray) -> None:
@@ -157,8 +160,7 @@ class TopoMap:
 
     def judge(self, noise: OdometerNoise) -> None:
         """Take the odometry's errors for what the data says."""
-        self.noise = noise
-        self._judged.clear()
+        self._increments.judge(noise)
 
     def weigh(self, turns: Sequence[TurnEdge]) -> None:
         """Replace the measured turns: the same ones with other sigmas, or some left out."""
@@ -172,8 +174,7 @@ class TopoMap:
             return
         back = last + BETWEEN_DRIVES_NS - stamp_ns
         self.nodes = [replace(node, stamp_ns=node.stamp_ns - back) for node in self.nodes]
-        for ends, own in self._increments.items():
-            self._increments[ends] = replace(own, stamps_ns=own.stamps_ns - back)
+        self._increments.set_back(back)
 
     def node_named(self, name: int) -> int | None:
         """Return the node of a number for people, None where the map has none of that number."""
@@ -186,16 +187,12 @@ class TopoMap:
     def replace_way(self, a: int, b: int, increments: Increments) -> None:
         """Set the odometry from a node to the next on the chain; it must lead to where the old one did."""
         self._increments[a, b] = increments
-        self._judged.pop((a, b), None)
 
     def edges_from(self, place: int) -> Iterator[tuple[int, int, Increments]]:
         """Yield (a, b, increments) along the chain from a place in it on, their covariances as judged."""
-        for edge in pairwise(self.chain[place:]):
-            judged = self._judged.get(edge)
-            if judged is None:
-                declared = self._increments[edge]
-                judged = self._judged[edge] = declared if self.noise is AS_DECLARED else self.noise.judged(declared)
-            yield edge[0], edge[1], judged
+        edges = list(pairwise(self.chain[place:]))
+        for (a, b), judged in zip(edges, self._increments.judged(edges), strict=True):
+            yield a, b, judged
 
     def way(self, a: int, b: int) -> Increments:
         """Return the increments as declared from node a to node b, which comes later on the chain and not long before
@@ -292,7 +289,6 @@ class TopoMap:
 
     def _split(self, a: int, b: int, place: int, stamp_ns: int) -> int:
         whole = self._increments.pop((a, b))
-        self._judged.pop((a, b), None)
         first, second = whole.split(int(np.searchsorted(whole.stamps_ns, stamp_ns)) + 1)
         travel = self.nodes[a].travel + float(np.abs(first.deltas[:, 0]).sum())
         pose = self._steps(a, b, whole)[len(first) - 1]

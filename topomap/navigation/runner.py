@@ -10,6 +10,7 @@ from topomap.core.errors import RobotFault, TopomapError
 from topomap.core.records import StepRecord
 from topomap.core.robot import Reading, Robot
 from topomap.navigation.navigator import Navigator
+from topomap.navigation.short_pauses import short_pauses
 
 
 class Observer(Protocol):
@@ -32,7 +33,7 @@ def run(
     one line, where the robot's driver or a step fails, or the run takes more than `most_steps`.
     """
     steps = 0
-    try:
+    with _stopping(robot), short_pauses():
         while not navigator.over and not stopped() and (reading := _sense(robot, steps)) is not None:
             if most_steps is not None and steps >= most_steps:
                 raise RobotFault(f"the run has no end: it was stopped after {steps} steps")
@@ -44,10 +45,17 @@ def run(
             steps += 1
             for observer in observers:
                 observer.observe(reading, record)
+    return steps
+
+
+@contextmanager
+def _stopping(robot: Robot) -> Iterator[None]:
+    """Stop the wheels in the end, whatever happens."""
+    try:
+        yield
     finally:
         with _told("the robot's stop()"):
             robot.stop()
-    return steps
 
 
 def _sense(robot: Robot, steps: int) -> Reading | None:

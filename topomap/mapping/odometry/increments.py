@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -99,9 +99,7 @@ class Increments:
         return self[:k], self[k:]
 
     def __getitem__(self, part: slice) -> Increments:
-        return replace(
-            self, stamps_ns=self.stamps_ns[part], deltas=self.deltas[part], covariances=self.covariances[part]
-        )
+        return Increments(self.stamps_ns[part], self.deltas[part], self.covariances[part])
 
 
 class Preintegrated(NamedTuple):

@@ -20,9 +20,10 @@ class IncrementalChain:
     def __init__(self, topo: TopoMap, turns: list[TurnEdge]) -> None:
         self._map = topo
         self._turns = turns
-        self._state = (topo.noise, topo.weighings)
-        self._variances: dict[int, float] = {}  # of the turn that ends at a node [rad^2]
-        self._heard = 0
+        self._judged = (topo.noise, topo.weighings)
+        self._heard: list[TurnEdge] = []  # the turns as they were when the way was summed up last
+        self._told: FloatArray = np.zeros(0)  # (N,) variance of the turn that ends at a node [rad^2], infinite for none
+        self._used: FloatArray = np.zeros(0)  # the same at each place of the chain, as it was summed up with
         self._nodes: IntArray = np.zeros(0, np.int64)
         self._calibration = Calibration()
         self._chain: Chain | None = None
@@ -31,12 +32,7 @@ class IncrementalChain:
 
     def current(self, covariance: FloatArray) -> Chain:
         """Return the chain as the map stands; covariance (3, 3): of the calibration."""
-        if self._state != (self._map.noise, self._map.weighings):
-            self._state = (self._map.noise, self._map.weighings)
-            self._variances.clear()
-            self._heard, self._chain = 0, None
-        self._variances.update((turn.j, turn.sigma**2) for turn in self._turns[self._heard :])
-        self._heard = len(self._turns)
+        self._hear()
         nodes = np.array(self._map.chain, np.int64)
         poses = self._map.poses[nodes]
         same = self._unchanged(nodes, poses)
@@ -44,7 +40,9 @@ class IncrementalChain:
         head = None if self._chain is None or not same else self._chain.head(same)
         variances = self._turn_variances(nodes[max(same, 1) :], edges.covariance[:, 2, 2])
         self._chain = Chain.of(poses, edges, self._map.calibration, covariance, head, variances)
+        self._used = np.concatenate([self._used[:same], self._told[nodes[same:]]])
         self._nodes, self._calibration = nodes, self._map.calibration
+        self._judged = (self._map.noise, self._map.weighings)
         return self._chain
 
     def _edges_from(self, place: int) -> EdgeIncrements:
@@ -58,12 +56,28 @@ class IncrementalChain:
         self._parts = parts
         return self._whole
 
+    def _hear(self) -> None:
+        """Take over the turns as they are now; most are the same objects as before."""
+        known = next((k for k, (a, b) in enumerate(zip(self._heard, self._turns, strict=False)) if a is not b),
+                     min(len(self._heard), len(self._turns)))  # fmt: skip
+        self._told = np.concatenate([self._told, np.full(len(self._map.nodes) - len(self._told), np.inf)])
+        self._told[[turn.j for turn in self._heard[known:]]] = np.inf
+        for turn in self._turns[known:]:
+            self._told[turn.j] = turn.sigma**2
+        self._heard = list(self._turns)
+
     def _unchanged(self, nodes: IntArray, poses: FloatArray) -> int:
-        """Return how many nodes at the chain's start are as they were, the last of them a snapshot."""
-        if self._chain is None or self._calibration != self._map.calibration:
+        """Return how many nodes at the chain's start are as they were, the last of them a snapshot.
+
+        A turn that came since it was passed counts when all are weighed next.
+        """
+        noise, weighings = self._judged
+        if self._chain is None or self._calibration != self._map.calibration or noise != self._map.noise:
             return 0
         known = min(len(nodes), len(self._nodes))
         differs = (nodes[:known] != self._nodes[:known]) | (poses[:known] != self._chain.poses[:known]).any(axis=1)
+        if weighings != self._map.weighings:
+            differs |= self._told[nodes[:known]] != self._used[:known]
         same = int(np.argmax(differs)) if differs.any() else known
         while same and self._map.nodes[int(nodes[same - 1])].snapshot is None:
             same -= 1
@@ -78,7 +92,7 @@ class IncrementalChain:
         held = self._map.nodes
         places = np.flatnonzero([held[node].snapshot is not None for node in ends.tolist()])
         first = np.concatenate([[0], places[:-1] + 1]) if len(places) else places
-        told = np.array([self._variances.get(node, np.inf) for node in ends[places].tolist()])
+        told = self._told[ends[places]]
         for k in np.flatnonzero(places - first > 1).tolist():
             span = slice(int(first[k]), int(places[k]) + 1)
             variances[span] = np.maximum(told[k] * noise[span] / max(float(noise[span].sum()), 1e-18), 1e-12)

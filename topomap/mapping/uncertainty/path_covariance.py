@@ -40,6 +40,31 @@ def _at(total: FloatArray, x: float, y: float) -> tuple[float, float, float]:
 
 
 @njit(cache=True)
+def _along(
+    random: FloatArray, systematic: FloatArray, calibration: FloatArray, i: int, j: int, x: float, y: float
+) -> tuple[float, float, float]:
+    """Return what `_at` returns of the errors that `_add_way` adds, at a fourth of the work."""
+    low, high = min(i, j), max(i, j)
+    a, b = random[low], random[high]
+    xt, yt, tt = b[0, 2] - a[0, 2], b[1, 2] - a[1, 2], b[2, 2] - a[2, 2]
+    xx = b[0, 0] - a[0, 0] - 2 * y * xt + y * y * tt
+    yy = b[1, 1] - a[1, 1] + 2 * x * yt + x * x * tt
+    xy = b[0, 1] - a[0, 1] + x * xt - y * yt - x * y * tt
+    p, q = systematic[low], systematic[high]
+    t0, t1, t2 = q[2, 0] - p[2, 0], q[2, 1] - p[2, 1], q[2, 2] - p[2, 2]
+    u0, u1, u2 = q[0, 0] - p[0, 0] - y * t0, q[0, 1] - p[0, 1] - y * t1, q[0, 2] - p[0, 2] - y * t2
+    v0, v1, v2 = q[1, 0] - p[1, 0] + x * t0, q[1, 1] - p[1, 1] + x * t1, q[1, 2] - p[1, 2] + x * t2
+    for k in range(3):
+        c0, c1, c2 = calibration[0, k], calibration[1, k], calibration[2, k]
+        by_u, by_v = u0 * c0 + u1 * c1 + u2 * c2, v0 * c0 + v1 * c1 + v2 * c2
+        u, v = (u0, v0) if k == 0 else ((u1, v1) if k == 1 else (u2, v2))
+        xx += by_u * u
+        yy += by_v * v
+        xy += by_u * v
+    return xx, yy, xy
+
+
+@njit(cache=True)
 def best_way(
     random: FloatArray, systematic: FloatArray, calibration: FloatArray, i: int, j: int, x: float, y: float,
     ends: IntArray, closures: FloatArray,
@@ -99,18 +124,16 @@ def seen_from_all(
     The errors are those of `best_way`, a closure being used from its first end only; spare [m^2] is added to them.
     """
     result = np.empty((len(random), 2, 2))
-    rest = closures.copy()
+    rest = np.empty((len(ends), 3))
     for m in range(len(ends)):
-        _add_way(rest[m], random, systematic, calibration, ends[m, 1], j)
-    total = np.zeros((3, 3))
+        total = closures[m].copy()
+        _add_way(total, random, systematic, calibration, ends[m, 1], j)
+        rest[m] = _at(total, x, y)
     for i in range(len(random)):
-        total[:] = 0.0
-        _add_way(total, random, systematic, calibration, i, j)
-        xx, yy, xy = _at(total, x, y)
+        xx, yy, xy = _along(random, systematic, calibration, i, j, x, y)
         for m in range(len(ends)):
-            total[:] = rest[m]
-            _add_way(total, random, systematic, calibration, i, ends[m, 0])
-            ax, ay, axy = _at(total, x, y)
+            ax, ay, axy = _along(random, systematic, calibration, i, ends[m, 0], x, y)
+            ax, ay, axy = ax + rest[m, 0], ay + rest[m, 1], axy + rest[m, 2]
             if ax + ay < xx + yy:
                 xx, yy, xy = ax, ay, axy
         xx, yy = xx + spare, yy + spare

@@ -34,7 +34,8 @@ class Reachability:
         self._made: tuple[int, int, int] | None = None
         self._chain: Chain | None = None
         self._place: IntArray = np.zeros(0, np.int64)
-        self._informations: FloatArray = np.zeros((0, 2, 2))
+        self._joins: tuple[IntArray, FloatArray] | None = None  # all closures, as `_carried` gives them
+        self._informations: FloatArray | None = None
 
     def errors(self, match: int, query: int) -> FloatArray:
         """Return the errors (3, 3) about the map's origin between two nodes along the route, or across closures where
@@ -42,7 +43,9 @@ class Reachability:
         """
         chain = self._current()
         x, y, _ = self._map.poses[query].tolist()
-        ends, closures = self._carried(self._map.closures)
+        if self._joins is None:
+            self._joins = self._carried(self._map.closures)
+        ends, closures = self._joins
         i, j = int(self._place[match]), int(self._place[query])
         found = np.asarray(best_way(chain.random, chain.systematic, chain.calibration, i, j, x, y, ends, closures))
         before = np.flatnonzero(ends.max(axis=1, initial=0) <= j)
@@ -65,8 +68,7 @@ class Reachability:
 
     def reach(self, node: int) -> float:
         """Return how far from where the map has it the robot may be, seen from an older node [m]."""
-        self._current()
-        information = self._informations[self._place[node]]
+        information = self._seen_from_all()[self._place[node]]
         variance = 1.0 / float(np.linalg.eigvalsh(information)[0]) - self._variance
         return math.sqrt(self._limit * max(variance, 0.0))
 
@@ -74,9 +76,9 @@ class Reachability:
         """Return those of some older nodes (n,) at which odometry allows the robot to be, now estimated at `pose`."""
         if not len(nodes):
             return nodes
-        self._current()
+        informations = self._seen_from_all()
         away = self._map.poses[nodes, :2] - np.array([pose.x, pose.y])
-        chi2 = np.einsum("ni,nij,nj->n", away, self._informations[self._place[nodes]], away)
+        chi2 = np.einsum("ni,nij,nj->n", away, informations[self._place[nodes]], away)
         possible: IntArray = nodes[chi2 <= self._limit]
         return possible
 
@@ -87,17 +89,21 @@ class Reachability:
             self._chain = self._incremental.current(self._optimisation.covariance)
             self._place = np.empty(len(self._map.chain), np.int64)
             self._place[self._map.chain] = np.arange(len(self._map.chain))
-            self._informations = self._seen_from_all(self._chain)
+            self._joins = self._informations = None
         return self._chain
 
-    def _seen_from_all(self, chain: Chain) -> FloatArray:
+    def _seen_from_all(self) -> FloatArray:
         """Return (N, 2, 2) informations of the chain's end, seen from every place of it, in the map frame."""
+        chain = self._current()
+        if self._informations is not None:
+            return self._informations
         x, y, _ = chain.poses[-1].tolist()
         ends, closures = self._carried(self._map.closures[-LATEST:])
         last = len(chain.poses) - 1
-        return np.asarray(
+        self._informations = np.asarray(
             seen_from_all(chain.random, chain.systematic, chain.calibration, last, x, y, ends, closures, self._variance)
         )
+        return self._informations
 
     def _carried(self, closures: Sequence[ClosureEdge]) -> tuple[IntArray, FloatArray]:
         """Return the chain places (M, 2) that closures join, and their covariances (M, 3, 3) about the origin."""
