@@ -7,6 +7,7 @@ import pytest
 from chains import HELD, UNSURE, chain_of, out_and_back, walk
 
 from topomap.core.arrays import FloatArray, IntArray
+from topomap.mapping.uncertainty.junctions import worth
 from topomap.mapping.uncertainty.network import MANY, ROOTS, PathNetwork
 from topomap.mapping.uncertainty.odometry_chain import Chain, carried_to_origin
 from topomap.mapping.uncertainty.small import seen_from
@@ -215,3 +216,22 @@ def test_searches_that_look_where_they_go_find_the_same_paths(label: int) -> Non
     without = np.full(MANY, label)
     few = [network.errors(i[part], j[part], without[part]) for part in np.array_split(np.arange(MANY), 5)]
     assert np.allclose(network.errors(i, j, without), np.concatenate(few), rtol=1e-9, atol=1e-12)
+
+
+@pytest.mark.parametrize("closures", [1, 7, 40])
+def test_by_junctions_paths_are_those_of_a_search_each(monkeypatch: pytest.MonkeyPatch, closures: int) -> None:
+    rng = np.random.default_rng(closures)
+    chain = walk(300, 4, HELD)
+    ends = [(int(a), int(b)) for a, b in np.sort(rng.choice(300, (closures, 2), replace=True), axis=1) if a < b]
+    label = list(range(len(ends)))
+    covariances = [SURE * rng.uniform(0.2, 3.0) for _ in ends]
+    network, one_by_one = (
+        PathNetwork(chain, *places(*ends), np.array(covariances), np.array(label, np.int64)) for _ in range(2)
+    )
+    i, j = rng.integers(0, 300, (2, 2000))
+    i[:5], j[:5] = [0, 299, 7, ends[0][0], ends[0][0]], [299, 0, 7, ends[0][1], 3]
+    assert worth(len(i), np.array(ends))
+    found = network.errors(i, j)
+    monkeypatch.setattr("topomap.mapping.uncertainty.network.worth", lambda *_: False)
+    assert np.allclose(found, one_by_one.errors(i, j), rtol=1e-9, atol=1e-15)
+    assert (found[:, 2, 2] < chain.random[:, 2, 2][np.maximum(i, j)] - chain.random[:, 2, 2][np.minimum(i, j)]).any()

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from topomap.core.arrays import FloatArray, IntArray
+from topomap.mapping.uncertainty.junctions import Junctions, adjacent, worth
 from topomap.mapping.uncertainty.network_kernels import bounds, distances, path_errors, tree_errors
 from topomap.mapping.uncertainty.network_search import NEVER
 from topomap.mapping.uncertainty.odometry_chain import Chain, carried_to_origin
@@ -47,14 +48,15 @@ class PathNetwork:
         start = np.concatenate([np.arange(nodes - 1), i])
         end = np.concatenate([np.arange(1, nodes), j])
         self._edges = Edges(
-            *_adjacent(start, end, nodes),
+            *adjacent(start, end, nodes),
             start,
             end,
             np.concatenate([np.diff(chain.random, axis=0), carry @ covariance @ carry.transpose(0, 2, 1)]),
             np.concatenate([np.diff(chain.systematic, axis=0), np.zeros((len(i), 3, 3))]),
             np.concatenate([np.full(nodes - 1, NEVER), label]),
         )
-        self._closed = bool(len(i))
+        self._ends = np.column_stack([i, j])
+        self._junctions: Junctions | None = None
         self._far = np.zeros((nodes, 0))
 
     @staticmethod
@@ -68,16 +70,23 @@ class PathNetwork:
 
         without (n,): closures of this label aren't used, -1 for none.
         """
-        if not self._closed:
+        if not len(self._ends):
             return self.along(i, j)
         skip = np.full(len(i), NEVER) if without is None else without
         sure = not self.chain.calibration.any()
+        if sure and without is None and worth(len(i), self._ends):
+            return self._over_junctions().errors(i, j)
         landmarks = self._landmarks(len(i)) if sure and len(i) >= MANY else self._far[:, :0]
         found = np.asarray(path_errors(*self._edges, self.chain.calibration, landmarks, i, j, skip))
         if sure or without is not None:
             return found
         detour = self.upper_bounds(i, j)  # the way found needn't be the best
         return np.where((detour[:, 2, 2] < found[:, 2, 2])[:, None, None], detour, found)
+
+    def _over_junctions(self) -> Junctions:
+        if self._junctions is None:
+            self._junctions = Junctions.of(self.chain.random, self._ends, self._edges.random[-len(self._ends) :])
+        return self._junctions
 
     def _landmarks(self, paths: int) -> FloatArray:
         """(N, K) how far places are from some [rad^2] with closures of every label: no path is shorter."""
@@ -93,7 +102,7 @@ class PathNetwork:
 
     def upper_bounds(self, i: IntArray, j: IntArray) -> FloatArray:
         """Return (n, 3, 3) errors about the origin that are no smaller than `errors`: by the best of some detours."""
-        if not self._closed:
+        if not len(self._ends):
             return self.along(i, j)
         random, systematic = tree_errors(*self._edges, self.chain.calibration, self._roots(ROOTS))
         return np.asarray(bounds(random, systematic, self.chain.calibration, i, j))
@@ -106,11 +115,3 @@ class PathNetwork:
         systematic = self.chain.systematic[high] - self.chain.systematic[low]
         shared = systematic @ self.chain.calibration @ systematic.transpose(0, 2, 1)
         return np.asarray(self.chain.random[high] - self.chain.random[low] + shared)
-
-
-def _adjacent(start: IntArray, end: IntArray, nodes: int) -> tuple[IntArray, IntArray]:
-    """Return where each node's edges begin (nodes + 1,) in the list of edges by node (2 E,)."""
-    at = np.concatenate([start, end])
-    edge = np.tile(np.arange(len(start)), 2)
-    order = np.argsort(at, kind="stable")
-    return np.searchsorted(at[order], np.arange(nodes + 1)), edge[order]

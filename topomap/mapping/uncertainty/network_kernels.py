@@ -18,7 +18,7 @@ def path_errors(
 
     landmarks (N, K): how far each node is from some of them; K may be 0.
     """
-    room = room_of(len(first) - 1, 2 * len(start) + 1)
+    room = room_of(first, onward, start, end, random)
     errors, shared = np.zeros((len(i), 3, 3)), np.zeros((3, 3))
     for n in range(len(i)):
         search(
@@ -44,7 +44,7 @@ def distances(
     label: IntArray, calibration: FloatArray, roots: IntArray,
 ) -> FloatArray:  # fmt: skip
     """Return (N, K) how far each node is from each root [rad^2]."""
-    room, none = room_of(len(first) - 1, 2 * len(start) + 1), np.empty((len(first) - 1, 0))
+    room, none = room_of(first, onward, start, end, random), np.empty((len(first) - 1, 0))
     result = np.empty((len(first) - 1, len(roots)))
     for k in range(len(roots)):
         search(first, onward, start, end, random, systematic, label, calibration, roots[k], -1, NEVER, none, room, k)
@@ -69,7 +69,7 @@ def tree_errors(
 ) -> tuple[FloatArray, FloatArray]:  # fmt: skip
     """Return for K roots the random and systematic errors (K, N, 3, 3) along the best paths from them to all nodes."""
     nodes = len(first) - 1
-    room, none = room_of(nodes, 2 * len(start) + 1), np.empty((nodes, 0))
+    room, none = room_of(first, onward, start, end, random), np.empty((nodes, 0))
     errors, shared = np.zeros((len(roots), nodes, 3, 3)), np.zeros((len(roots), nodes, 3, 3))
     for k in range(len(roots)):
         search(first, onward, start, end, random, systematic, label, calibration, roots[k], -1, NEVER, none, room, k)

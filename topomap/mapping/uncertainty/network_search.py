@@ -37,6 +37,9 @@ class Room(NamedTuple):
     from it at least; by (N,), the edge by which it is reached; own (N,) and turned (N, 3), the way's own variance and
     what a calibration does to its heading; seen (N,): the search that has filled in the others; queue (Q, 2),
     queued (Q,): a binary heap of nodes with what their way is at least and minus what of it is gone, Q more than N.
+
+    And what it looks at most, side by side in memory: beyond, cost (2 E,): of each node's edges the node beyond and the
+    variance of heading [rad^2].
     """
 
     reach: FloatArray
@@ -47,14 +50,22 @@ class Room(NamedTuple):
     seen: IntArray
     queue: FloatArray
     queued: IntArray
+    beyond: IntArray
+    cost: FloatArray
 
 
 @njit(cache=True)
-def room_of(nodes: int, queue: int) -> Room:
-    """Return room for searches among so many nodes (N), with a queue of more than that (Q)."""
+def room_of(first: IntArray, onward: IntArray, start: IntArray, end: IntArray, random: FloatArray) -> Room:
+    """Return room for searches in a network (`Edges`)."""
+    nodes, queue = len(first) - 1, 2 * len(start) + 1
+    beyond, cost = np.empty(len(onward), np.int64), np.empty(len(onward))
+    for node in range(nodes):
+        for k in range(first[node], first[node + 1]):
+            edge = onward[k]
+            beyond[k], cost[k] = start[edge] + end[edge] - node, max(random[edge, 2, 2], LEAST)
     return Room(
         np.empty(nodes), np.empty(nodes), np.empty(nodes, np.int64), np.empty(nodes), np.empty((nodes, 3)),
-        np.full(nodes, -1), np.empty((queue, 2)), np.empty(queue, np.int64),
+        np.full(nodes, -1), np.empty((queue, 2)), np.empty(queue, np.int64), beyond, cost,
     )  # fmt: skip
 
 
@@ -149,12 +160,11 @@ def search(
         if here > reach[node]:
             continue
         for k in range(first[node], first[node + 1]):
-            edge = onward[k]
+            edge, other = onward[k], room.beyond[k]
             if skip >= 0 and label[edge] == skip:
                 continue
-            other = start[edge] + end[edge] - node
             if sure:
-                there = here + max(random[edge, 2, 2], LEAST)
+                there = here + room.cost[k]
             else:
                 sign = 1.0 if end[edge] == other else -1.0
                 there = _on(room, random, systematic, calibration, node, edge, sign, turned)
@@ -165,7 +175,7 @@ def search(
                 continue
             reach[other], by[other], seen[other] = there, edge, turn
             if not sure:
-                room.own[other], room.turned[other] = room.own[node] + max(random[edge, 2, 2], LEAST), turned
+                room.own[other], room.turned[other] = room.own[node] + room.cost[k], turned
             if waiting == len(queued):
                 waiting = _purged(queue, queued, reach)
             _push(queue, queued, waiting, there + left[other], -there, other)
