@@ -18,7 +18,7 @@ from topomap.mapping.nodes import Node as Node
 from topomap.mapping.nodes import Snapshot as Snapshot
 from topomap.mapping.odometry.chain_increments import ChainIncrements
 from topomap.mapping.odometry.gap import bridged
-from topomap.mapping.odometry.increments import Calibration, Increments, integrate, track
+from topomap.mapping.odometry.increments import Calibration, EdgeIncrements, Increments, integrate, track
 from topomap.mapping.odometry.noise import OdometerNoise
 from topomap.mapping.optimizer.problem import ClosureEdge, TurnEdge
 
@@ -193,6 +193,10 @@ class TopoMap:
         edges = list(pairwise(self.chain[place:]))
         for (a, b), judged in zip(edges, self._increments.judged(edges), strict=True):
             yield a, b, judged
+
+    def whole_way(self) -> EdgeIncrements:
+        """Return the increments along the whole chain in one piece, their covariances as judged."""
+        return self._increments.whole(list(pairwise(self.chain)))
 
     def way(self, a: int, b: int) -> Increments:
         """Return the increments as declared from node a to node b, which comes later on the chain and not long before

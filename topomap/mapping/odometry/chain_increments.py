@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from topomap.mapping.odometry.increments import Increments
+from topomap.mapping.odometry.increments import EdgeIncrements, Increments
 from topomap.mapping.odometry.noise import AS_DECLARED, OdometerNoise
 
 Ends = tuple[int, int]
@@ -24,6 +24,8 @@ class ChainIncrements:
         self.noise = AS_DECLARED
         self._declared: dict[Ends, Increments] = {}
         self._judged: dict[Ends, Increments] = {}
+        self._parts: list[Increments] = []  # of which `whole` was made last
+        self._whole = EdgeIncrements.of([])
 
     def __getitem__(self, ends: Ends) -> Increments:
         return self._declared[ends]
@@ -49,6 +51,15 @@ class ChainIncrements:
             declared = [self._declared[ends] for ends in new]
             self._judged.update(zip(new, self._judging(declared), strict=True))
         return [self._judged[ends] for ends in edges]
+
+    def whole(self, edges: Sequence[Ends]) -> EdgeIncrements:
+        """Return the increments of all edges as judged, in one piece; what it shares with the last one is kept."""
+        parts = self.judged(edges)
+        known = next((k for k, (a, b) in enumerate(zip(self._parts, parts, strict=False)) if a is not b),
+                     min(len(self._parts), len(parts)))  # fmt: skip
+        self._whole = self._whole.first(known).followed_by(EdgeIncrements.of(parts[known:]))
+        self._parts = parts
+        return self._whole
 
     def set_back(self, back: int) -> None:
         """Set all stamps back [ns]."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from topomap.core.arrays import FloatArray, IntArray
 from topomap.mapping.graph import TopoMap
-from topomap.mapping.odometry.increments import Calibration, EdgeIncrements, Increments
+from topomap.mapping.odometry.increments import Calibration, EdgeIncrements
 from topomap.mapping.optimizer import TurnEdge
 from topomap.mapping.uncertainty.odometry_chain import Chain
 
@@ -27,8 +27,6 @@ class IncrementalChain:
         self._nodes: IntArray = np.zeros(0, np.int64)
         self._calibration = Calibration()
         self._chain: Chain | None = None
-        self._parts: list[Increments] = []  # of which the whole way was made last
-        self._whole = EdgeIncrements.of([])
 
     def current(self, covariance: FloatArray) -> Chain:
         """Return the chain as the map stands; covariance (3, 3): of the calibration."""
@@ -46,15 +44,10 @@ class IncrementalChain:
         return self._chain
 
     def _edges_from(self, place: int) -> EdgeIncrements:
-        """Return the increments along the chain from a place in it on; what is known of the whole is kept."""
-        parts = [increments for _, _, increments in self._map.edges_from(place)]
-        if place:
-            return EdgeIncrements.of(parts)
-        known = next((k for k, (a, b) in enumerate(zip(self._parts, parts, strict=False)) if a is not b),
-                     min(len(self._parts), len(parts)))  # fmt: skip
-        self._whole = self._whole.first(known).followed_by(EdgeIncrements.of(parts[known:]))
-        self._parts = parts
-        return self._whole
+        """Return the increments along the chain from a place in it on."""
+        if not place:
+            return self._map.whole_way()
+        return EdgeIncrements.of([increments for _, _, increments in self._map.edges_from(place)])
 
     def _hear(self) -> None:
         """Take over the turns as they are now; most are the same objects as before."""

@@ -73,20 +73,23 @@ def best_way(
 
     ends (M, 2): chain places joined by closures (M, 3, 3), these about the origin.
     """
-    best = np.zeros((3, 3))
-    _add_way(best, random, systematic, calibration, i, j)
-    xx, yy, _ = _at(best, x, y)
+    best, over, way = np.zeros((3, 3)), -1, 0
+    xx, yy, _ = _along(random, systematic, calibration, i, j, x, y)
     least = xx + yy
-    total = np.zeros((3, 3))
     for m in range(len(ends)):
+        own_x, own_y, _ = _at(closures[m], x, y)
         for turn in range(2):
-            total[:] = closures[m]
-            _add_way(total, random, systematic, calibration, i, ends[m, turn])
-            _add_way(total, random, systematic, calibration, ends[m, 1 - turn], j)
-            xx, yy, _ = _at(total, x, y)
-            if xx + yy < least:
-                least = xx + yy
-                best[:] = total
+            ax, ay, _ = _along(random, systematic, calibration, i, ends[m, turn], x, y)
+            bx, by, _ = _along(random, systematic, calibration, ends[m, 1 - turn], j, x, y)
+            total = own_x + own_y + ax + ay + bx + by
+            if total < least:
+                least, over, way = total, m, turn
+    if over < 0:
+        _add_way(best, random, systematic, calibration, i, j)
+        return best
+    best[:] = closures[over]
+    _add_way(best, random, systematic, calibration, i, ends[over, way])
+    _add_way(best, random, systematic, calibration, ends[over, 1 - way], j)
     return best
 
 
