@@ -18,9 +18,9 @@ from topomap.mapping.nodes import Node as Node
 from topomap.mapping.nodes import Snapshot as Snapshot
 from topomap.mapping.odometry.chain_increments import ChainIncrements
 from topomap.mapping.odometry.gap import bridged
-from topomap.mapping.odometry.increments import Calibration, EdgeIncrements, Increments, integrate, track
+from topomap.mapping.odometry.increments import Calibration, Increments, integrate, track
 from topomap.mapping.odometry.noise import OdometerNoise
-from topomap.mapping.optimizer.problem import ClosureEdge, TurnEdge
+from topomap.mapping.optimizer.problem import ClosureEdge, OdometryEdges, TurnEdge
 
 BETWEEN_DRIVES_NS = 3_600_000_000_000
 """[ns] Time set between two drives whose clocks would overlap, as a simulated clock begins anew with each."""
@@ -194,9 +194,10 @@ class TopoMap:
         for (a, b), judged in zip(edges, self._increments.judged(edges), strict=True):
             yield a, b, judged
 
-    def whole_way(self) -> EdgeIncrements:
-        """Return the increments along the whole chain in one piece, their covariances as judged."""
-        return self._increments.whole(list(pairwise(self.chain)))
+    def odometry(self) -> OdometryEdges:
+        """Return the edges along the whole chain in one piece, their covariances as judged."""
+        nodes = np.array(self.chain, np.int64)
+        return OdometryEdges(nodes[:-1], nodes[1:], self._increments.whole(list(pairwise(self.chain))))
 
     def way(self, a: int, b: int) -> Increments:
         """Return the increments as declared from node a to node b, which comes later on the chain and not long before

@@ -5,12 +5,12 @@ from __future__ import annotations
 from topomap.core.errors import TopomapError
 from topomap.mapping.graph import TopoMap
 from topomap.mapping.optimisation import KEPT_SIGMAS
-from topomap.mapping.optimizer import Closures, OdometryEdge, OdometryEdges, Problem
+from topomap.mapping.optimizer import Closures, Problem
 
 
 def map_problem(topo: TopoMap) -> Problem:
     """Return the problem of a map's odometry, measured turns and closures. Raises TopomapError for a single node."""
-    edges = OdometryEdges.of([OdometryEdge(*edge) for edge in topo.odometry_edges()])
+    edges = topo.odometry()
     if not len(edges):
         raise TopomapError("a map of one node has no edges to solve")
     return Problem(

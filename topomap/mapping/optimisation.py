@@ -21,7 +21,6 @@ from topomap.mapping.optimizer import (
     ClosureEdge,
     Closures,
     OdometryEdge,
-    OdometryEdges,
     OptimizerSettings,
     Problem,
     Recent,
@@ -283,10 +282,9 @@ class Optimisation:
         prior, sigmas = Calibration(distance_scale=scale.value), (PRIOR_SIGMAS[0], PRIOR_SIGMAS[1], HELD)
         if self._known is not None:
             prior, sigmas = self._known, KEPT_SIGMAS
-        chain = np.array(self._map.chain, np.int64)
         return Problem(
             self._map.poses.copy(),
-            OdometryEdges(chain[:-1], chain[1:], self._map.whole_way()),
+            self._map.odometry(),
             Closures.of([edge for edge, _ in self._closures]),
             tuple(self.sequential.turns),
             self._map.calibration,

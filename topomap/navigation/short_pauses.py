@@ -6,7 +6,7 @@ import gc
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-NEVER = 2**31 - 1
+NEVER = 2**31 - 1  # collections of what is younger before such a walk: the most that Python takes
 
 
 @contextmanager

@@ -46,7 +46,7 @@ class IncrementalChain:
     def _edges_from(self, place: int) -> EdgeIncrements:
         """Return the increments along the chain from a place in it on."""
         if not place:
-            return self._map.whole_way()
+            return self._map.odometry().increments
         return EdgeIncrements.of([increments for _, _, increments in self._map.edges_from(place)])
 
     def _hear(self) -> None:

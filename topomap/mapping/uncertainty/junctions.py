@@ -37,7 +37,7 @@ class Junctions:
 
     @staticmethod
     def of(random: FloatArray, ends: IntArray, closures: FloatArray) -> Junctions:
-        """Take the chain's errors (N, 3, 3), the places (M, 2) that closures join, and the closures' (M, 3, 3)."""
+        """Take the chain's summed errors (N, 3, 3), the places (M, 2) that closures join, their errors (M, 3, 3)."""
         places = np.unique(ends)
         count = len(places)
         start, end = np.searchsorted(places, ends).T
@@ -51,26 +51,23 @@ class Junctions:
     def errors(self, i: IntArray, j: IntArray) -> FloatArray:
         """Return (n, 3, 3) the errors about the origin along the best path between places i and j (n,)."""
         before, after = by_junctions(self.variance, self.places, self.apart, i, j)
-        errors = self._along(i, j)
+        errors = summed_between(self.random, i, j)
         over = np.flatnonzero(before >= 0)
         a, b = before[over], after[over]
-        errors[over] = self._along(i[over], self.places[a]) + self._along(self.places[b], j[over])
+        errors[over] = summed_between(self.random, i[over], self.places[a])
+        errors[over] += summed_between(self.random, self.places[b], j[over])
         errors[over] += way_errors(self.start, self.end, self.own, self.by, a, b)
         return errors
 
-    def _along(self, i: IntArray, j: IntArray) -> FloatArray:
-        """Return (n, 3, 3) the chain's own errors between places i and j (n,)."""
-        low, high = np.minimum(i, j), np.maximum(i, j)
-        return np.asarray(self.random[high] - self.random[low])
+
+def worth(paths: int, junctions: int, closures: int) -> bool:
+    """Whether it is quicker to know all paths between junctions first than to search so many paths one by one."""
+    return junctions <= MOST and junctions * (junctions + closures) < EACH * paths
 
 
-def worth(paths: int, ends: IntArray) -> bool:
-    """Whether it is quicker to know all paths between junctions first than to search so many paths one by one.
-
-    ends (M, 2): the places that closures join.
-    """
-    junctions = len(np.unique(ends))
-    return junctions <= MOST and junctions * (junctions + len(ends)) < EACH * paths
+def summed_between(sums: FloatArray, i: IntArray, j: IntArray) -> FloatArray:
+    """Return (n, 3, 3) what sums (N, 3, 3) along the chain grow by between places i and j (n,), in either order."""
+    return np.asarray(sums[np.maximum(i, j)] - sums[np.minimum(i, j)])
 
 
 def adjacent(start: IntArray, end: IntArray, nodes: int) -> tuple[IntArray, IntArray]:

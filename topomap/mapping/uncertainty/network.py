@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from topomap.core.arrays import FloatArray, IntArray
-from topomap.mapping.uncertainty.junctions import Junctions, adjacent, worth
+from topomap.mapping.uncertainty.junctions import Junctions, adjacent, summed_between, worth
 from topomap.mapping.uncertainty.network_kernels import bounds, distances, path_errors, tree_errors
 from topomap.mapping.uncertainty.network_search import NEVER
 from topomap.mapping.uncertainty.odometry_chain import Chain, carried_to_origin
@@ -74,7 +75,7 @@ class PathNetwork:
             return self.along(i, j)
         skip = np.full(len(i), NEVER) if without is None else without
         sure = not self.chain.calibration.any()
-        if sure and without is None and worth(len(i), self._ends):
+        if sure and without is None and worth(len(i), self._junction_count, len(self._ends)):
             return self._over_junctions().errors(i, j)
         landmarks = self._landmarks(len(i)) if sure and len(i) >= MANY else self._far[:, :0]
         found = np.asarray(path_errors(*self._edges, self.chain.calibration, landmarks, i, j, skip))
@@ -82,6 +83,10 @@ class PathNetwork:
             return found
         detour = self.upper_bounds(i, j)  # the way found needn't be the best
         return np.where((detour[:, 2, 2] < found[:, 2, 2])[:, None, None], detour, found)
+
+    @cached_property
+    def _junction_count(self) -> int:
+        return len(np.unique(self._ends))
 
     def _over_junctions(self) -> Junctions:
         if self._junctions is None:
@@ -109,9 +114,8 @@ class PathNetwork:
 
     def along(self, i: IntArray, j: IntArray) -> FloatArray:
         """Return (n, 3, 3) the errors about the origin between places i and j (n,) by odometry alone."""
-        low, high = np.minimum(i, j), np.maximum(i, j)
+        random = summed_between(self.chain.random, i, j)
         if not self.chain.calibration.any():
-            return np.asarray(self.chain.random[high] - self.chain.random[low])
-        systematic = self.chain.systematic[high] - self.chain.systematic[low]
-        shared = systematic @ self.chain.calibration @ systematic.transpose(0, 2, 1)
-        return np.asarray(self.chain.random[high] - self.chain.random[low] + shared)
+            return random
+        systematic = summed_between(self.chain.systematic, i, j)
+        return np.asarray(random + systematic @ self.chain.calibration @ systematic.transpose(0, 2, 1))
