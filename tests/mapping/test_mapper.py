@@ -10,8 +10,11 @@ from sim2d import worlds
 from sim2d.robot import SimRobot
 from topomap.app.config import load_config
 from topomap.app.wiring import build_navigator
+from topomap.core.geometry import wrap
 from topomap.core.records import StepRecord, Verdict
 from topomap.mapping.mapper import Mapper
+from topomap.mapping.places import view_cache
+from topomap.mapping.places.small_view import view_of
 
 
 def drive(steps: int, *settings: str, seed: int = 3) -> tuple[Mapper, list[StepRecord], np.ndarray]:
@@ -58,6 +61,42 @@ def test_the_first_round_closes_nothing_and_the_second_closes_true(
         assert np.hypot(*(truth[query] - truth[match])[:2]) < 1.0
         assert decision.reason
         assert {"difference", "cost", "ratio", "sigmas"} <= set(decision.candidate.evidence.measured())
+
+
+def test_a_new_node_lies_where_its_turn_was_measured() -> None:
+    config = load_config(None, ())
+    robot, navigator, off = SimRobot(worlds.load("room-corridor"), config.sim, 3), build_navigator(config.stack), []
+    for _ in range(40):
+        reading = robot.sense()
+        assert reading is not None
+        command, record = navigator.step(reading)
+        robot.act(command)
+        topo = navigator.mapper.map
+        if record.change.added and topo.turns:
+            turn = topo.turns[-1]
+            off.append(wrap(topo.pose(turn.j).heading - topo.pose(turn.i).heading - turn.turn) / turn.sigma)
+    assert len(off) > 5
+    assert np.abs(off).max() < 1.0
+
+
+def test_views_that_a_proposal_may_ask_for_are_decoded_before_it_comes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """All at once they took as long as comparing them."""
+    decoded = []
+    monkeypatch.setattr(view_cache, "view_of", lambda *asked: decoded.append(1) or view_of(*asked))
+    config = load_config(None, ())
+    robot, navigator = SimRobot(worlds.load("room-corridor"), config.sim, 3), build_navigator(config.stack)
+    navigator.mapper.view_cache._size = 14  # a long drive's first views aren't at hand any more
+    judged, waiting = [], []
+    for _ in range(260):
+        reading = robot.sense()
+        assert reading is not None
+        before = len(decoded)
+        command, record = navigator.step(reading)
+        robot.act(command)
+        looked = [d for d in record.change.decisions if d.candidate.evidence.cost is not None]
+        (judged if looked else waiting).append(len(decoded) - before)
+    assert sum(judged) < sum(waiting)
+    assert max(waiting) <= 2
 
 
 def test_the_calibration_is_found(second_round: tuple[Mapper, list[StepRecord], np.ndarray]) -> None:

@@ -89,11 +89,16 @@ def test_a_map_judged_anew_judges_its_edges_at_once_and_each_as_alone(monkeypatc
         topo.add(Node(10 * k + 10, k + 1.0, None), way)
     noise, calls = OdometerNoise(2.0, None), []
     alone = [noise.judged(way) for way in ways]
-    judged = OdometerNoise.judged
-    monkeypatch.setattr(OdometerNoise, "judged", lambda self, way: calls.append(1) or judged(self, way))
+    judging = OdometerNoise.covariances
+    monkeypatch.setattr(OdometerNoise, "covariances", lambda self, way: calls.append(way) or judging(self, way))
     topo.judge(noise)
-    found = [way for _, _, way in topo.odometry_edges()]
-    assert len(calls) <= 1
+    found, whole = [way for _, _, way in topo.odometry_edges()], topo.odometry().increments
+    assert len(calls) == 2  # for edges by themselves, and for all in one piece
+    assert np.array_equal(whole.covariances, np.concatenate([own.covariances for own in alone]))
+    topo.add(Node(1000, 60.0, None), replace(ways[0], stamps_ns=ways[0].stamps_ns + 900))
+    whole = topo.odometry().increments
+    assert len(calls[2].deltas) == len(ways[0])  # what was judged already is kept
+    assert np.array_equal(whole.covariances[-10:], alone[0].covariances)
     for one, own in zip(found, alone, strict=True):
         assert np.array_equal(one.covariances, own.covariances)
         assert np.array_equal(one.stamps_ns, own.stamps_ns)

@@ -17,7 +17,7 @@ from topomap.mapping.optimizer import (
     Recent,
     Solution,
     TurnEdge,
-    objective,
+    gauss_newton,
     solve,
     solving,
     solving_recent,
@@ -97,7 +97,7 @@ def test_what_nothing_shows_keeps_its_prior_however_long_the_chain(nodes: int) -
 def test_a_large_solve_in_parts_of_a_step_finds_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
     problem = ring(0, nodes=60, length=60, closures=6, false=0.3).problem
     whole, few = counted(problem)
-    monkeypatch.setattr(objective, "LARGE", 10)
+    monkeypatch.setattr(gauss_newton, "LARGE", 10)
     parts, many = counted(problem)
     assert many > 2 * few
     assert np.array_equal(whole.poses, parts.poses)

@@ -34,8 +34,7 @@ class TopoMap:
 
     names: each node's number for people, which stays when others are taken out; places: a name given to a node's
     number; jumps: nodes that can't be driven to from the one before them on the chain, as another drive begins there,
-    or as the way between was taken out; view: what is kept of a snapshot; weighings: how often the measured turns were
-    weighed anew.
+    or as the way between was taken out; view: what is kept of a snapshot.
     """
 
     def __init__(self) -> None:
@@ -48,7 +47,6 @@ class TopoMap:
         self.closures: list[ClosureEdge] = []
         self.turns: list[TurnEdge] = []
         self.calibration = Calibration()
-        self.weighings = 0
         self.experience = Experience()
         self.graph: nx.Graph[int] = nx.Graph()
         self._next_name = 0
@@ -165,7 +163,6 @@ class TopoMap:
     def weigh(self, turns: Sequence[TurnEdge]) -> None:
         """Replace the measured turns: the same ones with other sigmas, or some left out."""
         self.turns[:] = turns
-        self.weighings += 1
 
     def end_before(self, stamp_ns: int) -> None:
         """Set all stamps back, as one, so far that another drive can begin at a stamp [ns]; nothing if it can."""

@@ -23,6 +23,7 @@ from topomap.mapping.places.recognition import Recognition, RecognitionSettings
 from topomap.mapping.places.snapshots import SnapshotSettings, View, make_rule
 from topomap.mapping.sessions.drive_start import DriveStart
 from topomap.mapping.track import Track
+from topomap.mapping.turned_end import turned_end
 from topomap.vision.choice import AlignerChoice
 from topomap.vision.contracts import Aligner
 from topomap.vision.image.compare import rotation_difference, signature
@@ -258,9 +259,10 @@ class Mapper:
         if broken:
             self._gap = node
         if snapshot is not None:
-            self._learn_contrast(panorama)
             self._views.keep(node, snapshot, reading, panorama)
-            self._remember(node, panorama)
+            self._turn(node)
+            self._learn_contrast(panorama)
+            self.recognition.add(node, self.track.travel, panorama)
         return (NodeAdded(node, reading.stamp_ns, self.map.pose(node), taught, reason),)
 
     def _reason(self, panorama: Panorama, difference: float, driven: bool) -> str | None:
@@ -284,11 +286,16 @@ class Mapper:
         elsewhere = nodes[far[nodes] & (away > apart)]
         self.recognition.learn_contrast(panorama, elsewhere, self.map.poses[elsewhere, :2], apart)
 
-    def _remember(self, node: int, panorama: Panorama) -> None:
-        self.recognition.add(node, self.track.travel, panorama)
-        if self._last_snapshot >= 0:  # what isn't kept of a view helps while it is at hand
-            self.optimisation.sequential.compare(self._last_snapshot, node, self._views.whole)
-        self._last_snapshot = node
+    def _turn(self, node: int) -> None:
+        """Let a new snapshot lie where its turn from the one before says, as it is measured."""
+        before, self._last_snapshot = self._last_snapshot, node
+        if before < 0:
+            return
+        # what isn't kept of a view helps while it is at hand
+        turn = self.optimisation.sequential.compare(before, node, self._views.whole)
+        if turn is not None:
+            self.map.shift(*turned_end(self.map, turn, self.optimisation.covariance))
+            self.track.restart()
 
     def _recognise(self, stamp_ns: int, panorama: Panorama) -> tuple[PlaceMatch | None, tuple[Decision, ...]]:
         """Look among the older places and judge what is proposed."""
@@ -298,7 +305,10 @@ class Mapper:
         if not self._believes:
             self.recognition.pass_over()
             return place, self._closing.judge(stamp_ns, None)
-        return place, self._closing.judge(stamp_ns, self.recognition.proposal())
+        proposal = self.recognition.proposal()
+        if proposal is None:
+            self._closing.prepare(self.recognition.awaited())
+        return place, self._closing.judge(stamp_ns, proposal)
 
     def _correct(self, stamp_ns: int) -> tuple[bool, list[Decision]]:
         solved, reviewed = self.optimisation.update(stamp_ns, self.ledger)

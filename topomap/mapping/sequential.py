@@ -62,8 +62,8 @@ class SequentialConstraints:
         """The distance scale by all that was measured so far."""
         return self._scale.estimate()
 
-    def compare(self, a: int, b: int, view_cache: ViewCache) -> None:
-        """Measure turn and distance from snapshot a to snapshot b, the next one."""
+    def compare(self, a: int, b: int, view_cache: ViewCache) -> TurnEdge | None:
+        """Measure turn and distance from snapshot a to snapshot b, the next one; return the turn, if one was found."""
         before, now = view_cache.panorama(a), view_cache.panorama(b)
         guess = self._map.pose(a).to(self._map.pose(b)).array()
         way = self._map.way(a, b)
@@ -72,12 +72,11 @@ class SequentialConstraints:
             match = match_scans(before.ranges, now.ranges, guess, MEASURED)
         turn = self._read(a, b, way)
         if match is None:
-            self._look(turn, way, before, now, guess)
-            return
+            return self._look(turn, way, before, now, guess)
         sigma = math.hypot(SCAN_TURN_SIGMA, match.covariance[2, 2] ** 0.5)
         self._by_ranges.add((a, b))
-        self._take(turn, scanned=float(match.relative[2]), scan_sigma=sigma)
         self._measure(way, match)
+        return self._take(turn, scanned=float(match.relative[2]), scan_sigma=sigma)
 
     def weigh(self) -> None:
         """Weigh all turns, and the odometer, by all that was measured so far."""
@@ -97,7 +96,9 @@ class SequentialConstraints:
             a, b, float(read[2]), float(read[0]), float(declared(way)[:, 2, 2].sum()), rolled(way)
         )  # fmt: skip
 
-    def _look(self, turn: MeasuredTurn, way: Increments, before: Panorama, now: Panorama, guess: FloatArray) -> None:
+    def _look(
+        self, turn: MeasuredTurn, way: Increments, before: Panorama, now: Panorama, guess: FloatArray
+    ) -> TurnEdge | None:
         """Take the turn from two compasses and the distance from where the floor ends in both views."""
         seen = self._aligner.align(now, before, float(guess[2]))
         aligned = seen.rotation if seen.sharp and _near(seen.rotation, guess) else math.nan
@@ -106,22 +107,25 @@ class SequentialConstraints:
             self._second.window,
         )  # fmt: skip
         matched = found.rotation if found.points >= ENOUGH and _near(found.rotation, guess) else math.nan
-        self._take(turn, aligned=_beside(aligned, turn.read), matched=_beside(matched, turn.read))
+        taken = self._take(turn, aligned=_beside(aligned, turn.read), matched=_beside(matched, turn.read))
         best = matched if math.isfinite(matched) else seen.rotation
         match = match_scans(ground_ranges(before), ground_ranges(now), np.array([guess[0], guess[1], best]), SEEN)
         if match is not None:
             self._measure(way, match, seen=True)
+        return taken
 
     def _take(
         self, turn: MeasuredTurn, scanned: float = math.nan, scan_sigma: float = math.nan,
         aligned: float = math.nan, matched: float = math.nan,
-    ) -> None:  # fmt: skip
+    ) -> TurnEdge | None:  # fmt: skip
         """Keep a turn; until all are weighed next it counts as one that nothing checked."""
         self._evidence.add(replace(turn, scanned=scanned, scan_sigma=scan_sigma, aligned=aligned, matched=matched))
         value = next((v for v in (scanned, matched, aligned) if math.isfinite(v)), None)
-        if value is not None:
-            sigma = math.hypot(UNCHECKED, SHARE_UNCHECKED * value) if math.isnan(scanned) else scan_sigma
-            self.turns.append(TurnEdge(turn.i, turn.j, value, sigma))
+        if value is None:
+            return None
+        sigma = math.hypot(UNCHECKED, SHARE_UNCHECKED * value) if math.isnan(scanned) else scan_sigma
+        self.turns.append(TurnEdge(turn.i, turn.j, value, sigma))
+        return self.turns[-1]
 
     def _measure(self, way: Increments, match: ScanMatch, seen: bool = False) -> None:
         """Compare the measured distance with the odometer's, where the surfaces constrain it."""

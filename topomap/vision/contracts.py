@@ -86,6 +86,14 @@ class Aligner(Protocol):
 
 
 @runtime_checkable
+class Preparing(Protocol):
+    """An aligner that can do beforehand, and once, what it asks of a single view."""
+
+    def prepare(self, panorama: Panorama) -> None:
+        """Derive it; the view keeps it."""
+
+
+@runtime_checkable
 class HomingMethod(Protocol[D]):
     """A pure function of two described panoramas; D is what it keeps of a snapshot.
 

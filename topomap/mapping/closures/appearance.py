@@ -10,7 +10,7 @@ import numpy as np
 from topomap.core.panorama import Panorama
 from topomap.core.records import Alignment, PlaceMatch
 from topomap.mapping.closures.sight_tests import MOST_TOGETHER
-from topomap.vision.contracts import Aligner
+from topomap.vision.contracts import Aligner, Preparing
 
 RIVAL_DISTANCE = 1.5
 """[m] A node this far from the winner is another place: twice the way in which a true revisit may lie aside ..."""
@@ -71,6 +71,11 @@ class Appearance:
             if _outcome(looks, distance, far).ratio > MOST_TOGETHER:
                 break
         return _outcome(looks, distance, far)
+
+    def prepare(self, view: Panorama) -> None:
+        """Do beforehand what comparisons ask of a place's view, where the aligner can."""
+        if isinstance(self._aligner, Preparing):
+            self._aligner.prepare(view)
 
     def elsewhere(
         self,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -100,6 +100,10 @@ class Closing:
         """Take back what joins nodes `behind` a gap with others; said with the next verdicts."""
         reason = "seen by a robot that took itself for elsewhere"
         self._unsaid += self._optimisation.disbelieve(stamp_ns, self._engine.ledger, behind, reason)
+
+    def prepare(self, awaited: Iterable[int]) -> None:
+        """Do a part of what judging a proposal of some nodes takes before it comes: as much as fits in a step."""
+        self._sight.prepare(awaited)
 
     def judge(self, stamp_ns: int, proposal: Proposal | None) -> tuple[Decision, ...]:
         """Return the verdicts of this step, on a proposal and on what waited for it; all are kept in the ledger."""

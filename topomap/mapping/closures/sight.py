@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -71,6 +72,12 @@ class Sight:
     def believed(self, winner: Look) -> None:
         """Learn what a place costs that was seen again."""
         self._usual.learn(winner.alignment.residual)
+
+    def prepare(self, awaited: Iterable[int]) -> None:
+        """Decode the first view that isn't at hand of the places that a proposal may be compared with soon."""
+        node = next((node for node in awaited if node not in self._view_cache), None)
+        if node is not None:
+            self._appearance.prepare(self._view_cache.panorama(node))
 
     def compare(self, proposal: Proposal, open_places: bool) -> Sighting:
         """Return the place that looks most alike.

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from topomap.mapping.odometry.increments import EdgeIncrements, Increments
 from topomap.mapping.odometry.noise import AS_DECLARED, OdometerNoise
 
@@ -24,8 +22,9 @@ class ChainIncrements:
         self.noise = AS_DECLARED
         self._declared: dict[Ends, Increments] = {}
         self._judged: dict[Ends, Increments] = {}
-        self._parts: list[Increments] = []  # of which `whole` was made last
-        self._whole = EdgeIncrements.of([])
+        self._parts: list[Increments] = []  # of which `whole` was made last, as declared,
+        self._whole = EdgeIncrements.of([])  # in one piece,
+        self._said = (AS_DECLARED, self._whole)  # and as judged by which noise
 
     def __getitem__(self, ends: Ends) -> Increments:
         return self._declared[ends]
@@ -49,17 +48,26 @@ class ChainIncrements:
         new = [ends for ends in edges if ends not in self._judged]
         if new:
             declared = [self._declared[ends] for ends in new]
-            self._judged.update(zip(new, self._judging(declared), strict=True))
+            whole = self._judging(EdgeIncrements.of(declared))
+            for k, (ends, own) in enumerate(zip(new, declared, strict=True)):
+                part = slice(*whole.starts[k : k + 2])
+                self._judged[ends] = Increments(own.stamps_ns, own.deltas, whole.covariances[part])
         return [self._judged[ends] for ends in edges]
 
     def whole(self, edges: Sequence[Ends]) -> EdgeIncrements:
         """Return the increments of all edges as judged, in one piece; what it shares with the last one is kept."""
-        parts = self.judged(edges)
+        parts = [self._declared[ends] for ends in edges]
         known = next((k for k, (a, b) in enumerate(zip(self._parts, parts, strict=False)) if a is not b),
                      min(len(self._parts), len(parts)))  # fmt: skip
-        self._whole = self._whole.first(known).followed_by(EdgeIncrements.of(parts[known:]))
-        self._parts = parts
-        return self._whole
+        new = EdgeIncrements.of(parts[known:])
+        self._parts, self._whole = parts, self._whole.first(known).followed_by(new)
+        noise, judged = self._said
+        if noise == self.noise:
+            judged = judged.first(known).followed_by(self._judging(new))
+        else:
+            judged = self._judging(self._whole)
+        self._said = self.noise, judged
+        return judged
 
     def set_back(self, back: int) -> None:
         """Set all stamps back [ns]."""
@@ -67,9 +75,7 @@ class ChainIncrements:
             self._declared[ends] = replace(own, stamps_ns=own.stamps_ns - back)
         self._judged.clear()
 
-    def _judging(self, declared: Sequence[Increments]) -> list[Increments]:
+    def _judging(self, declared: EdgeIncrements) -> EdgeIncrements:
         if self.noise is AS_DECLARED:
-            return list(declared)
-        whole = self.noise.judged(Increments.concatenate(declared))
-        last = np.cumsum([len(own) for own in declared]).tolist()
-        return [whole[a:b] for a, b in zip([0, *last], last, strict=False)]
+            return declared
+        return replace(declared, covariances=self.noise.covariances(declared))

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from topomap.core.arrays import FloatArray
-from topomap.mapping.odometry.increments import Increments
+from topomap.mapping.odometry.increments import EdgeIncrements, Increments
 
 WIDE_FORWARD, WIDE_TURN = 0.04, math.radians(1.0)
 """[m and rad per square-root metre] A poor odometer: twice the simulator's errors."""
@@ -39,6 +39,10 @@ class OdometerNoise:
 
     def judged(self, increments: Increments) -> Increments:
         """Return the increments with the covariances that the data leaves them."""
+        return Increments(increments.stamps_ns, increments.deltas, self.covariances(increments))
+
+    def covariances(self, increments: Increments | EdgeIncrements) -> FloatArray:
+        """Return the covariances (K, 3, 3) that the data leaves the increments."""
         covariances, wide = declared(increments), _wide(increments)
         shares = [self.forward, self.forward, self.turn]
         scale = np.array([1.0 if share is None else math.sqrt(share) for share in shares])
@@ -46,7 +50,7 @@ class OdometerNoise:
         for axis, share in enumerate(shares):
             if share is None:
                 covariances[:, axis, axis] = np.maximum(covariances[:, axis, axis], wide[:, axis])
-        return Increments(increments.stamps_ns, increments.deltas, covariances)
+        return covariances
 
 
 AS_DECLARED = OdometerNoise(1.0, 1.0)
@@ -58,7 +62,7 @@ def rolled(increments: Increments) -> float:
     return float(_rolled(increments).sum())
 
 
-def declared(increments: Increments) -> FloatArray:
+def declared(increments: Increments | EdgeIncrements) -> FloatArray:
     """Return the covariances (K, 3, 3) as declared, but for what no odometer reaches."""
     covariances = increments.covariances.copy()
     least = LEAST * _wide(increments)
@@ -67,12 +71,12 @@ def declared(increments: Increments) -> FloatArray:
     return covariances
 
 
-def _rolled(increments: Increments) -> FloatArray:
+def _rolled(increments: Increments | EdgeIncrements) -> FloatArray:
     forward, left, turn = np.abs(increments.deltas).T
     return np.asarray(forward + left + HALF_TRACK * turn)
 
 
-def _wide(increments: Increments) -> FloatArray:
+def _wide(increments: Increments | EdgeIncrements) -> FloatArray:
     """Return a poor odometer's variances (K, 3) of forward, left, turn."""
     forward = WIDE_FORWARD**2 * _rolled(increments)
     return np.column_stack([forward, forward / 16, WIDE_TURN**2 * _rolled(increments)])

@@ -1,6 +1,7 @@
 """The door to gtsam: a pose graph with unknown odometry errors in, corrected poses out."""
 
 from topomap.mapping.optimizer.held_solver import HeldSolver
+from topomap.mapping.optimizer.objective import geman_mcclure
 from topomap.mapping.optimizer.problem import (
     AxisEdge,
     ClosureEdge,
@@ -31,6 +32,7 @@ __all__ = [
     "Slices",
     "Solution",
     "TurnEdge",
+    "geman_mcclure",
     "relative_edges",
     "solve",
     "solving",

@@ -23,6 +23,7 @@ class LinearSystem:
         self._nodes, self._chain = nodes, chain
         self._graph = gtsam.GaussianFactorGraph()
         self._units = [gtsam.noiseModel.Unit.Create(rows) for rows in range(1, STRETCH + 1)]
+        self._ordering: gtsam.Ordering | None = None
         self._net: gtsam.GaussianBayesNet | None = None
         self._keys = np.arange(nodes) if chain is None else np.setdiff1d(np.arange(nodes), chain.left_out())
         self._prior(anchor, np.eye(3) / ANCHOR_SIGMA, np.zeros(3))
@@ -51,7 +52,7 @@ class LinearSystem:
         """Return the step of poses (N, 3) and calibration (3,); raises TopomapError if undetermined."""
         poses = np.zeros((self._nodes, 3))
         try:
-            step = self._eliminated().optimize()
+            step = self.eliminated().optimize()
             poses[self._keys] = [step.at(key) for key in self._keys.tolist()]
         except (RuntimeError, IndexError) as error:
             raise TopomapError(f"the pose graph isn't determined: {_first_line(error)}") from error
@@ -64,22 +65,27 @@ class LinearSystem:
 
     def covariance(self) -> FloatArray:
         """Return the marginal covariance (3, 3) of the calibration, which is eliminated last."""
-        try:
-            net = self._eliminated()
-        except RuntimeError as error:
-            raise TopomapError(f"the pose graph isn't determined: {_first_line(error)}") from error
+        net = self.eliminated()
         root = np.asarray(net.at(net.size() - 1).R())
         return np.asarray(np.linalg.inv(root.T @ root))
 
-    def _eliminated(self) -> gtsam.GaussianBayesNet:
+    def order(self, known: gtsam.Ordering | None = None) -> gtsam.Ordering:
+        """Return the order in which the poses are eliminated; known: that of a system of the same structure."""
+        if self._ordering is None:
+            # every odometry edge knows the calibration: eliminated before the poses it would join them all
+            last = [self._nodes]
+            self._ordering = known or gtsam.Ordering.ColamdConstrainedLastGaussianFactorGraph(self._graph, last)
+        return self._ordering
+
+    def eliminated(self) -> gtsam.GaussianBayesNet:
+        """Return the poses' equations, each in those eliminated after it; raises TopomapError if undetermined."""
         # one pose at a time: gtsam takes cliques of several poses at the soft end of a long chain for undetermined
         if self._net is None:
-            self._net = self._graph.eliminateSequential(self._order())
+            try:
+                self._net = self._graph.eliminateSequential(self.order())
+            except RuntimeError as error:
+                raise TopomapError(f"the pose graph isn't determined: {_first_line(error)}") from error
         return self._net
-
-    def _order(self) -> gtsam.Ordering:
-        # every odometry edge knows the calibration: eliminated before the poses it would join them all
-        return gtsam.Ordering.ColamdConstrainedLastGaussianFactorGraph(self._graph, [self._nodes])
 
 
 def _first_line(error: Exception) -> str:

@@ -1,4 +1,4 @@
-"""The objective: all residuals at a state, their weights, and one Gauss-Newton step of poses and calibration."""
+"""The objective: all residuals at a state, what each counts, and how far off they are together."""
 
 from __future__ import annotations
 
@@ -9,9 +9,7 @@ import numpy as np
 from topomap.core.arrays import BoolArray, FloatArray, IntArray
 from topomap.core.geometry import wrap_all
 from topomap.mapping.odometry.increments import Calibration
-from topomap.mapping.optimizer.calibration_jacobian import calibration_jacobian, with_calibration
-from topomap.mapping.optimizer.elimination import Condensed, condense
-from topomap.mapping.optimizer.linear_system import LinearSystem
+from topomap.mapping.optimizer.calibration_jacobian import calibration_jacobian
 from topomap.mapping.optimizer.problem import Problem
 from topomap.mapping.optimizer.residuals import (
     Residuals,
@@ -20,13 +18,9 @@ from topomap.mapping.optimizer.residuals import (
     odometry_residuals,
     turn_residuals,
 )
-from topomap.mapping.optimizer.slices import Slices, drained
 from topomap.mapping.uncertainty.odometry_chain import Chain
 
-WEIGHTLESS = 1e-6  # a closure with less weight is left out of the system
 FIRM = 1e-5  # prior sigmas up to which a calibration is held
-LARGE = 500  # nodes from which on a Gauss-Newton step is more than fits into a robot's step: 40 ms at 2,400
-LARGEST_STEP = np.array([0.1, 0.02, 0.1])  # of the calibration: keeps the linearisation honest
 
 
 def geman_mcclure(chi2: FloatArray, cutoff: float | FloatArray) -> FloatArray:
@@ -64,32 +58,37 @@ class Linearised:
 
 
 class Objective:
-    """A problem in one piece: evaluates and linearises it at any state."""
+    """A problem in one piece: evaluates and linearises it at any state.
+
+    pairs (E, 2): the odometry edges' nodes; order (E + 1,): the nodes in travel order; turn_on_edge, axis_on_edge:
+    which measured turns and axes join neighbours on the way, each edge's first; turn_cutoffs, axis_cutoff: beyond which
+    they fade out [sigmas]; sigmas (3,): of the calibration's prior.
+    """
 
     def __init__(self, problem: Problem, turn_cutoff: float) -> None:
         self.problem = problem
         self._edges = problem.odometry.increments
-        self._pairs = np.column_stack([problem.odometry.i, problem.odometry.j])
+        self.pairs = np.column_stack([problem.odometry.i, problem.odometry.j])
         self._turn_pairs = _pairs([(t.i, t.j) for t in problem.turns])
         self._turns = np.array([(t.turn, t.sigma) for t in problem.turns]).reshape(-1, 2)
         self._axis_pairs = _pairs([(a.i, a.j) for a in problem.axes])
         self._axis_sigmas = np.array([a.sigma for a in problem.axes])
-        self._sigmas = np.array(problem.prior_sigmas)
-        self._order = np.append(self._pairs[:, 0], self._pairs[-1:, 1])
-        self._turn_on_edge = self._on_edge(self._turn_pairs)
-        self._axis_on_edge = self._on_edge(self._axis_pairs)
-        self._turn_cutoffs = turn_cutoff * np.sqrt(1.0 + self._turn_allowance() / self._turns[:, 1] ** 2)
-        self._axis_cutoff = turn_cutoff
+        self.sigmas = np.array(problem.prior_sigmas)
+        self.order = np.append(self.pairs[:, 0], self.pairs[-1:, 1])
+        self.turn_on_edge = self._on_edge(self._turn_pairs)
+        self.axis_on_edge = self._on_edge(self._axis_pairs)
+        self.turn_cutoffs = turn_cutoff * np.sqrt(1.0 + self._turn_allowance() / self._turns[:, 1] ** 2)
+        self.axis_cutoff = turn_cutoff
 
     @property
     def held(self) -> FloatArray | None:
         """The calibration's covariance (3, 3) where the problem holds it: no closure can tell anything of it then."""
-        return np.diag(self._sigmas**2) if float(self._sigmas.max()) <= FIRM else None
+        return np.diag(self.sigmas**2) if float(self.sigmas.max()) <= FIRM else None
 
     def _on_edge(self, pairs: IntArray) -> BoolArray:
         """Return which of some pairs (n, 2) are neighbours on the way, in its direction, each edge's first only."""
         place = np.full(len(self.problem.poses), -2)
-        place[self._order] = np.arange(len(self._order))
+        place[self.order] = np.arange(len(self.order))
         beside = (place[pairs[:, 1]] - place[pairs[:, 0]] == 1) & (place[pairs[:, 0]] >= 0)
         first = np.zeros(len(pairs), bool)
         first[np.unique(pairs[:, 0], return_index=True)[1]] = True
@@ -105,7 +104,7 @@ class Objective:
             return np.zeros(0)
         edges = self._edges.integrate(self.problem.calibration)
         place = np.zeros(len(self.problem.poses), np.int64)
-        place[self._order] = np.arange(len(self._order))
+        place[self.order] = np.arange(len(self.order))
         i, j = place[self._turn_pairs].T
 
         def between(values: FloatArray) -> FloatArray:
@@ -114,13 +113,13 @@ class Objective:
 
         random = between(edges.covariances(self.problem.calibration)[:, 2, 2])
         systematic = between(edges.jacobians(self.problem.calibration)[:, 2])
-        return np.asarray(np.abs(random) + systematic**2 @ self._sigmas**2)
+        return np.asarray(np.abs(random) + systematic**2 @ self.sigmas**2)
 
     def chain(self) -> tuple[Chain, IntArray]:
         """Return the travelled chain by the problem's own estimate, and each node's (N,) place in it."""
-        order = self._order
+        order = self.order
         edges = self._edges.integrate(self.problem.calibration)
-        covariance = np.diag(self._sigmas**2)
+        covariance = np.diag(self.sigmas**2)
         chain = Chain.of(self.problem.poses[order], edges, self.problem.calibration, covariance)
         position = np.zeros(len(self.problem.poses), np.int64)
         position[order] = np.arange(len(order))
@@ -134,7 +133,7 @@ class Objective:
         """Return every residual at the state."""
         edges = self._edges.integrate(state.calibration)
         i, j = self._turn_pairs[:, 0], self._turn_pairs[:, 1]
-        odometry = odometry_residuals(state.poses, state.calibration, self._pairs, edges)
+        odometry = odometry_residuals(state.poses, state.calibration, self.pairs, edges)
         return Linearised(
             odometry,
             closure_residuals(state.poses, self.problem.closures),
@@ -146,7 +145,7 @@ class Objective:
 
     def turn_weights(self, at: Linearised) -> FloatArray:
         """Return (T,) what each measured turn counts: 1 where it fits, less the further it is off."""
-        return geman_mcclure(at.turns.chi2(), self._turn_cutoffs)
+        return geman_mcclure(at.turns.chi2(), self.turn_cutoffs)
 
     def error(self, at: Linearised, weights: FloatArray) -> float:
         """Return the squared error with closure weights (M,)."""
@@ -158,72 +157,9 @@ class Objective:
         return self._firm(at) + float(np.minimum(at.closures.chi2(), limit).sum())
 
     def _firm(self, at: Linearised) -> float:
-        prior = float(((at.prior / self._sigmas) ** 2).sum())
-        faded = _faded(at.turns, self._turn_cutoffs) + _faded(at.axes, self._axis_cutoff)
+        prior = float(((at.prior / self.sigmas) ** 2).sum())
+        faded = _faded(at.turns, self.turn_cutoffs) + _faded(at.axes, self.axis_cutoff)
         return float(at.odometry.chi2().sum()) + faded + prior
-
-    def system(self, at: Linearised, weights: FloatArray) -> LinearSystem:
-        """Return the linear system with closure weights (M,), in poses that the calibration carries along."""
-        return drained(self.building(at, weights))
-
-    def building(self, at: Linearised, weights: FloatArray) -> Slices[LinearSystem]:
-        """Do what `system` does; of a large graph in slices."""
-        used = weights > WEIGHTLESS
-        closures = with_calibration(at.closures.among(used), at.calibration_jacobian)
-        inside, across = [], []
-        for blocks, on_edge, cutoff in (
-            (at.turns, self._turn_on_edge, self._turn_cutoffs),
-            (at.axes, self._axis_on_edge, self._axis_cutoff),
-        ):
-            faded = with_calibration(blocks, at.calibration_jacobian).weighted(geman_mcclure(blocks.chi2(), cutoff))
-            inside.append(faded.among(on_edge))
-            across.append(faded.among(~on_edge))
-        condensed = self._condensed(at.odometry, inside, [*across, closures])
-        yield from self.pause()
-        system = LinearSystem(len(self.problem.poses), self.problem.anchor, condensed)
-        yield from self.pause()
-        system.add_calibration_prior(at.prior, self._sigmas)
-        for blocks in across:
-            system.add(blocks)
-        system.add(closures.weighted(weights[used]))
-        return system
-
-    def pause(self) -> Slices[None]:
-        """End a slice where the graph is large."""
-        if len(self.problem.poses) > LARGE:
-            yield
-
-    def _condensed(self, odometry: Residuals, inside: list[Residuals], across: list[Residuals]) -> Condensed | None:
-        """Return the chain without the nodes that only its own edges touch; the anchor stays."""
-        if not len(self._pairs):
-            return None
-        seen = np.zeros(len(self.problem.poses), bool)
-        seen[self.problem.anchor] = True
-        for blocks in across:
-            seen[blocks.i] = seen[blocks.j] = True
-        return condense(self._order, odometry, inside, seen[self._order])
-
-    def step(self, state: State, at: Linearised, weights: FloatArray) -> tuple[State, Linearised, float]:
-        """Return the state after a Gauss-Newton step, halved while that is worse, and its largest move."""
-        return drained(self.stepping(state, at, weights))
-
-    def stepping(self, state: State, at: Linearised, weights: FloatArray) -> Slices[tuple[State, Linearised, float]]:
-        """Do what `step` does; of a large graph in slices."""
-        system = yield from self.building(at, weights)
-        yield from self.pause()
-        own, calibration = system.solve()
-        yield from self.pause()
-        poses = own + at.calibration_jacobian @ calibration
-        before = self.error(at, weights)
-        longest = 1.0 / max(1.0, float((np.abs(calibration) / LARGEST_STEP).max()))
-        for halvings in range(5):
-            length = longest * 0.5**halvings
-            moved = state.stepped(poses, calibration, length)
-            there = self.linearise(moved)
-            if self.error(there, weights) <= before * (1 + 1e-9) + 1e-9:
-                return moved, there, float(np.abs(poses).max()) * length
-            yield from self.pause()
-        return state, at, 0.0
 
 
 def _faded(blocks: Residuals, cutoff: float | FloatArray) -> float:

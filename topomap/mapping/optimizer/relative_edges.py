@@ -9,7 +9,8 @@ import numpy as np
 from topomap.core.arrays import BoolArray, FloatArray, IntArray
 from topomap.core.geometry import between, wrap_all
 from topomap.core.records import UNKNOWN_HEADING
-from topomap.mapping.optimizer.objective import WEIGHTLESS, Objective
+from topomap.mapping.optimizer.gauss_newton import WEIGHTLESS
+from topomap.mapping.optimizer.objective import Objective
 from topomap.mapping.optimizer.problem import Problem
 from topomap.mapping.optimizer.residuals import FLOOR
 from topomap.mapping.optimizer.settings import OptimizerSettings

@@ -6,6 +6,7 @@ import numpy as np
 
 from topomap.core.arrays import BoolArray, FloatArray
 from topomap.core.errors import TopomapError
+from topomap.mapping.optimizer.gauss_newton import GaussNewton
 from topomap.mapping.optimizer.gnc import Schedule, Weighing
 from topomap.mapping.optimizer.objective import Linearised, Objective, State
 from topomap.mapping.optimizer.problem import Problem, Solution
@@ -37,12 +38,13 @@ def solving(
     doubted (M,): closures that were out when the start was found. Where all others fit the start nothing is annealed.
     """
     chosen = settings or OptimizerSettings()
-    graph = Objective(problem, chosen.turn_cutoff)
+    newton = GaussNewton(graph := Objective(problem, chosen.turn_cutoff))
     yield
     start = graph.start()
     at_start = graph.linearise(start)
     before = graph.truncated_error(at_start, chosen.cutoff)
-    state, at, iterations = yield from _best(graph, start, at_start, chosen, doubted)
+    state, at, iterations = yield from _best(newton, start, at_start, chosen, doubted)
+    yield from newton.pause()
     after = graph.truncated_error(at, chosen.cutoff)
     improved = bool(np.isfinite(after) and after < before - 1e-9) and _credible(graph, at, chosen)
     if not improved:
@@ -51,8 +53,8 @@ def solving(
     weights = inliers(graph, at, chosen.cutoff)
     covariance = graph.held
     if covariance is None:
-        system = yield from graph.building(at, weights)
-        yield from graph.pause()
+        system = yield from newton.building(at, weights)
+        yield from newton.pause()
         covariance = system.covariance()
     return Solution(state.poses, state.calibration, covariance, weights, before, after, iterations, improved)
 
@@ -75,54 +77,55 @@ def _chi2(graph: Objective, at: Linearised) -> FloatArray:
 
 
 def _best(
-    graph: Objective, start: State, at: Linearised, settings: OptimizerSettings, doubted: BoolArray | None
+    newton: GaussNewton, start: State, at: Linearised, settings: OptimizerSettings, doubted: BoolArray | None
 ) -> Slices[End]:
     """Return the better end of two ways: all that odometry allows, or first those that support one another."""
+    graph = newton.graph
     fitting = inliers(graph, at, settings.cutoff) > 0
     if bool((fitting if doubted is None else fitting | doubted).all()):
-        return (yield from _settle(graph, start, at, settings, 0))
+        return (yield from _settle(newton, start, at, settings, 0))
     yield
     schedule = Schedule(graph, settings)
     if settings.cutoffs:
-        return (yield from _end(graph, start, at, schedule.narrowing(), settings))
-    first = yield from _end(graph, start, at, schedule.allowed(), settings)
+        return (yield from _end(newton, start, at, schedule.narrowing(), settings))
+    first = yield from _end(newton, start, at, schedule.allowed(), settings)
     supported = schedule.supported()
     if supported is None or bool(inliers(graph, first[1], settings.cutoff).all()):
         return first
-    second = yield from _end(graph, start, at, supported, settings)
+    second = yield from _end(newton, start, at, supported, settings)
     errors = [graph.truncated_error(end[1], settings.cutoff) for end in (first, second)]
     state, there, _ = second if errors[1] < errors[0] else first
     return state, there, first[2] + second[2]
 
 
 def _end(
-    graph: Objective, start: State, at: Linearised, schedule: Weighing, settings: OptimizerSettings
+    newton: GaussNewton, start: State, at: Linearised, schedule: Weighing, settings: OptimizerSettings
 ) -> Slices[End]:
     try:
-        state, there, steps = yield from _anneal(graph, start, at, schedule, settings.cutoff)
-        return (yield from _settle(graph, state, there, settings, steps))
+        state, there, steps = yield from _anneal(newton, start, at, schedule, settings.cutoff)
+        return (yield from _settle(newton, state, there, settings, steps))
     except TopomapError:
         # closures faded to almost nothing leave a long chain too soft for double precision: this way leads nowhere.
         # A graph that was never determined is refused later, when its covariance is asked for at the start
         return start, at, 0
 
 
-def _anneal(graph: Objective, state: State, at: Linearised, schedule: Weighing, cutoff: float) -> Slices[End]:
+def _anneal(newton: GaussNewton, state: State, at: Linearised, schedule: Weighing, cutoff: float) -> Slices[End]:
     """Follow the schedule until every closure fits or it ends."""
     steps = 0
     for weigh in schedule:
-        if bool(inliers(graph, at, cutoff).all()):
+        if bool(inliers(newton.graph, at, cutoff).all()):
             break
         yield
-        state, at, _ = yield from graph.stepping(state, at, weigh(state.poses))
+        state, at, _ = yield from newton.stepping(state, at, weigh(state.poses))
         steps += 1
     return state, at, steps
 
 
-def _settle(graph: Objective, state: State, at: Linearised, settings: OptimizerSettings, done: int) -> Slices[End]:
+def _settle(newton: GaussNewton, state: State, at: Linearised, settings: OptimizerSettings, done: int) -> Slices[End]:
     for iteration in range(settings.iterations):
         yield
-        state, at, move = yield from graph.stepping(state, at, inliers(graph, at, settings.cutoff))
+        state, at, move = yield from newton.stepping(state, at, inliers(newton.graph, at, settings.cutoff))
         if move < settings.tolerance:
             return state, at, done + iteration + 1
     return state, at, done + settings.iterations

@@ -230,6 +230,13 @@ class Recognition:
                 )
         return None
 
+    def awaited(self) -> list[int]:
+        """Return the nodes that a proposal of the last moment would name, the likeliest first; none if it can't be."""
+        last = self._recent[-1] if self._recent else None
+        if last is None or not last.places or last.places[0].difference > self.limit:
+            return []
+        return [match.node for match in (*last.places[:SHORTLIST], *last.likely)]
+
     def _next_known(self, ended: bool) -> int | None:
         """Return where in `_recent` the first moment stands that wasn't examined, None until enough came after it."""
         place = len(self._recent) - (self._count - self._examined)

@@ -32,6 +32,10 @@ class ViewCache:
         """Let go of a panorama that isn't as the map has it any more."""
         self._views.pop(node, None)
 
+    def __contains__(self, node: int) -> bool:
+        """Return whether a node's view is at hand, decoded."""
+        return node in self._views
+
     def panorama(self, node: int) -> Panorama:
         """Return the view of a snapshot node. Raises KeyError for a pose node, DataError for no image."""
         if node not in self._views:

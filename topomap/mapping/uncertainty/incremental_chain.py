@@ -20,7 +20,7 @@ class IncrementalChain:
     def __init__(self, topo: TopoMap, turns: list[TurnEdge]) -> None:
         self._map = topo
         self._turns = turns
-        self._judged = (topo.noise, topo.weighings)
+        self._noise = topo.noise
         self._heard: list[TurnEdge] = []  # the turns as they were when the way was summed up last
         self._told: FloatArray = np.zeros(0)  # (N,) variance of the turn that ends at a node [rad^2], infinite for none
         self._used: FloatArray = np.zeros(0)  # the same at each place of the chain, as it was summed up with
@@ -40,7 +40,7 @@ class IncrementalChain:
         self._chain = Chain.of(poses, edges, self._map.calibration, covariance, head, variances)
         self._used = np.concatenate([self._used[:same], self._told[nodes[same:]]])
         self._nodes, self._calibration = nodes, self._map.calibration
-        self._judged = (self._map.noise, self._map.weighings)
+        self._noise = self._map.noise
         return self._chain
 
     def _edges_from(self, place: int) -> EdgeIncrements:
@@ -60,17 +60,12 @@ class IncrementalChain:
         self._heard = list(self._turns)
 
     def _unchanged(self, nodes: IntArray, poses: FloatArray) -> int:
-        """Return how many nodes at the chain's start are as they were, the last of them a snapshot.
-
-        A turn that came since it was passed counts when all are weighed next.
-        """
-        noise, weighings = self._judged
-        if self._chain is None or self._calibration != self._map.calibration or noise != self._map.noise:
+        """Return how many nodes at the chain's start are as they were, the last of them a snapshot."""
+        if self._chain is None or self._calibration != self._map.calibration or self._noise != self._map.noise:
             return 0
         known = min(len(nodes), len(self._nodes))
         differs = (nodes[:known] != self._nodes[:known]) | (poses[:known] != self._chain.poses[:known]).any(axis=1)
-        if weighings != self._map.weighings:
-            differs |= self._told[nodes[:known]] != self._used[:known]
+        differs |= self._told[nodes[:known]] != self._used[:known]
         same = int(np.argmax(differs)) if differs.any() else known
         while same and self._map.nodes[int(nodes[same - 1])].snapshot is None:
             same -= 1

@@ -31,7 +31,7 @@ class Reachability:
         self._incremental = IncrementalChain(topo, optimisation.sequential.turns)
         self._variance = sigma**2
         self._limit = float(chdtri(2, 1 - probability))
-        self._made: tuple[int, int, int] | None = None
+        self._made: tuple[int, ...] | None = None
         self._chain: Chain | None = None
         self._place: IntArray = np.zeros(0, np.int64)
         self._joins: tuple[IntArray, FloatArray] | None = None  # all closures, as `_carried` gives them
@@ -83,7 +83,7 @@ class Reachability:
         return possible
 
     def _current(self) -> Chain:
-        state = (len(self._map.nodes), len(self._map.closures), self._optimisation.solves)
+        state = (len(self._map.nodes), len(self._map.turns), len(self._map.closures), self._optimisation.solves)
         if self._made != state or self._chain is None:
             self._made = state
             self._chain = self._incremental.current(self._optimisation.covariance)

@@ -43,3 +43,7 @@ class MinWarpingCompass:
             near = self.compass.align(current, goal).rotation
         views = warping_view(current, self.spec), warping_view(goal, self.spec)
         return best(warp(*views, near, self.window))
+
+    def prepare(self, panorama: Panorama) -> None:
+        """Magnify a view's columns, which takes half as long as a search."""
+        warping_view(panorama, self.spec)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import cv2
 import numpy as np
@@ -59,8 +60,7 @@ def _warping_view(panorama: Panorama, spec: WarpingSpec) -> WarpingView:
     fine = normalised(shrunk(panorama.rolled(ahead), columns * phases, spec.rows))
     wide = _smoothed(fine, phases)
     horizon = (panorama.rig.horizon_row + 0.5) * len(wide) / panorama.rig.height - 0.5
-    stack = np.stack([_magnified(wide, spec.step**k, horizon) for k in range(spec.levels + 1)])
-    edges = np.diff(stack, axis=1).reshape(spec.levels + 1, len(wide) - 1, columns, phases)
+    edges = np.diff(_magnified(wide, horizon, spec), axis=1).reshape(spec.levels + 1, len(wide) - 1, columns, phases)
     edges = np.ascontiguousarray(edges.transpose(0, 3, 1, 2), np.float32)
     return WarpingView(edges, np.abs(edges).sum(axis=2), (middle - ahead) * TAU / width, spec)
 
@@ -73,7 +73,19 @@ def _smoothed(fine: Float32Array, phases: int) -> Float32Array:
     return np.asarray(total / phases, np.float32)
 
 
-def _magnified(small: Float32Array, factor: float, horizon: float) -> Float32Array:
-    rows = horizon + (np.arange(small.shape[0], dtype=np.float32) - np.float32(horizon)) / np.float32(factor)
-    maps = np.meshgrid(np.arange(small.shape[1], dtype=np.float32), rows.astype(np.float32))
-    return np.asarray(cv2.remap(small, maps[0], maps[1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE), np.float32)
+def _magnified(small: Float32Array, horizon: float, spec: WarpingSpec) -> Float32Array:
+    """Return columns (R, n) at each magnification about the horizon, (levels + 1, R, n)."""
+    maps = _looked_up(small.shape, horizon, spec)
+    found = cv2.remap(small, *maps, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    return np.asarray(found, np.float32).reshape(spec.levels + 1, *small.shape)
+
+
+@lru_cache(maxsize=16)
+def _looked_up(shape: tuple[int, int], horizon: float, spec: WarpingSpec) -> tuple[Float32Array, Float32Array]:
+    """Return the columns and rows ((levels + 1) R, n) of an image (R, n) that show at each magnification."""
+    rows = [
+        horizon + (np.arange(shape[0], dtype=np.float32) - np.float32(horizon)) / np.float32(spec.step**k)
+        for k in range(spec.levels + 1)
+    ]
+    maps = np.meshgrid(np.arange(shape[1], dtype=np.float32), np.concatenate(rows).astype(np.float32))
+    return maps[0], maps[1]
