@@ -46,3 +46,21 @@ def test_a_value_is_observed_once_its_sigma_has_halved() -> None:
     assert state.rotation_scale.sigma == pytest.approx(0.0104)
     assert not state.curvature.observed
     assert state.distance_scale.observed
+
+
+@pytest.mark.parametrize("bias", [0.01, 0.03])
+def test_what_all_moves_err_by_alike_stays_however_many_there_are(bias: float) -> None:
+    rng, found = np.random.default_rng(0), DistanceScale()
+    for _ in range(1000):
+        found.add(0.5 + rng.normal(0.0, 0.01), 0.5, 0.01, bias)
+    assert found.estimate().sigma == pytest.approx(bias, rel=0.1)
+
+
+def test_what_is_vague_counts_for_as_much_as_it_tells() -> None:
+    rng, found = np.random.default_rng(0), DistanceScale()
+    for _ in range(1000):
+        found.add(0.45 + rng.normal(0.0, 0.01), 0.5, 0.01, 0.1)
+    told = found.estimate()
+    assert not told.observed
+    assert told.value == pytest.approx(0.95, abs=0.003)
+    assert told.sigma == pytest.approx(0.0707, abs=0.001)

@@ -66,7 +66,7 @@ def test_a_map_hands_out_what_was_judged_and_keeps_what_was_declared() -> None:
 def test_ranges_judge_the_way(times: float) -> None:
     rng, found = np.random.default_rng(0), DistanceScale()
     for _ in range(300):
-        found.add(0.95 * 0.8 + rng.normal(0.0, 0.02), 0.8 + rng.normal(0.0, 0.003), 0.003, False, times * 0.02)
+        found.add(0.95 * 0.8 + rng.normal(0.0, 0.02), 0.8 + rng.normal(0.0, 0.003), 0.003, 0.0, times * 0.02)
     told = found.odometer()
     assert told is not None
     assert told[0] == pytest.approx(times**-2, rel=0.35)

@@ -38,7 +38,7 @@ from topomap.mapping.odometry.noise import MUCH, OdometerNoise, declared, rolled
 from topomap.mapping.odometry.scan_watch import SEEN_OFF, STEPS, STOOD, TURN_OFF, WAY_OFF, ScanWatch, Shown
 from topomap.mapping.odometry.usual_change import LATELY, SELDOM, UsualChange
 from topomap.mapping.odometry.watch import PATIENCE, OdometryWatch
-from topomap.mapping.optimisation import Optimisation, OptimisationSettings
+from topomap.mapping.optimisation import Optimisation
 from topomap.mapping.optimizer.examples import example
 from topomap.mapping.optimizer.peers import PEERS, inliers, optimum
 from topomap.mapping.optimizer.problem import PRIOR_SIGMAS, ClosureEdge, TurnEdge
@@ -52,6 +52,7 @@ from topomap.mapping.sessions.merge import _claims, _ends, _read_as, _reversed
 from topomap.mapping.sessions.places import find, forget_place, name_place, span
 from topomap.mapping.sessions.prune import _drives, _inside, _reaches, _stretches, _tied
 from topomap.mapping.sessions.rebuild import only
+from topomap.mapping.solve_due import OptimisationSettings
 from topomap.mapping.track import Track
 from topomap.mapping.turn_evidence import TurnEvidence, _alike, _alone, _beyond, _told
 from topomap.mapping.turn_line import FEWEST as TURNS
@@ -121,12 +122,18 @@ def test_the_distance_scale_is_told_from_so_many_moves_on() -> None:
         scale = DistanceScale()
         for k in range(count):
             measured = 1.0 + 0.02 * (k % 5)
-            scale.add(0.93 * measured * (1.2 if k < wrong else 1.0) + 0.004 * (k % 3), measured, 0.01, seen, 0.02)
+            scale.add(
+                0.93 * measured * (1.2 if k < wrong else 1.0) + 0.004 * (k % 3),
+                measured,
+                0.01,
+                0.015 if seen else 0.0,
+                0.02,
+            )
         found, odometer = scale.estimate(), scale.odometer()
         told += [found.value, found.sigma, found.observed, *((-1.0, -1.0) if odometer is None else odometer)]
     vague = DistanceScale()
     for k in range(20):
-        vague.add(1.0 + 0.2 * (-1) ** k, 1.0, 0.5, False, 0.5)
+        vague.add(1.0 + 0.2 * (-1) ** k, 1.0, 0.5, 0.0, 0.5)
     told += [vague.estimate().sigma, vague.estimate().observed]
     for share in around(0.5):
         sigmas = np.array([share * s for s in PRIOR_SIGMAS])

@@ -13,8 +13,9 @@ from topomap.core.panorama import Panorama
 from topomap.core.records import Alignment, Candidate, Motion, Verdict
 from topomap.mapping.closures.ledger import Ledger
 from topomap.mapping.graph import TopoMap
-from topomap.mapping.optimisation import Optimisation, OptimisationSettings
+from topomap.mapping.optimisation import Optimisation
 from topomap.mapping.optimizer.problem import PRIOR_SIGMAS, ClosureEdge, Problem, Solution
+from topomap.mapping.solve_due import OptimisationSettings, SolveDue
 from topomap.mapping.track import Track
 
 
@@ -113,8 +114,9 @@ def test_a_copy_begins_anew_what_is_being_solved(monkeypatch: pytest.MonkeyPatch
 def test_a_copy_begins_anew_the_stretch_that_is_being_solved(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("topomap.mapping.optimisation.LARGE", 2)
     _, optimisation, ledger = believed(Back([1.0, 1.0]), monkeypatch)
-    optimisation._s = OptimisationSettings(every=1)
-    optimisation._whole_nodes, optimisation._heard, optimisation._surprise = 6, 2, 0.0
+    optimisation._due, optimisation._heard = SolveDue(OptimisationSettings(every=1)), 2
+    optimisation._due.begin(6, whole=True)
+    optimisation._due.give_up(whole=False)
     optimisation.update(7, ledger)
     assert optimisation._stretch is not None
     again, whole = copy.deepcopy((optimisation, ledger))

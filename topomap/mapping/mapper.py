@@ -17,11 +17,12 @@ from topomap.mapping.closures.online import Closing, ClosingSettings
 from topomap.mapping.closures.robot_tests import RobotTests
 from topomap.mapping.graph import TopoMap
 from topomap.mapping.odometry.watch import OdometryWatch
-from topomap.mapping.optimisation import Optimisation, OptimisationSettings
+from topomap.mapping.optimisation import Optimisation
 from topomap.mapping.places.drive_views import DriveViews
 from topomap.mapping.places.recognition import Recognition, RecognitionSettings
 from topomap.mapping.places.snapshots import SnapshotSettings, View, make_rule
 from topomap.mapping.sessions.drive_start import DriveStart
+from topomap.mapping.solve_due import OptimisationSettings
 from topomap.mapping.track import Track
 from topomap.mapping.turned_end import turned_end
 from topomap.vision.choice import AlignerChoice

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from copy import copy
 from dataclasses import replace
 
 import numpy as np
-from pydantic import BaseModel, Field
 
-from topomap.core.arrays import BoolArray, FloatArray
-from topomap.core.records import CalibrationState, Candidate, Decision, Verdict
+from topomap.core.arrays import FloatArray
+from topomap.core.records import CalibrationState, Candidate, Decision
 from topomap.core.run_data import Trust
+from topomap.mapping.believed import Believed
 from topomap.mapping.closures.ledger import Ledger
 from topomap.mapping.competition import BLIND, DEAD, Contest, compete
 from topomap.mapping.graph import TopoMap
@@ -31,6 +31,7 @@ from topomap.mapping.optimizer import (
 )
 from topomap.mapping.optimizer.problem import PRIOR_SIGMAS
 from topomap.mapping.sequential import SequentialConstraints
+from topomap.mapping.solve_due import LARGE, OptimisationSettings, SolveDue
 from topomap.vision.contracts import Aligner
 
 # places seen again tell nothing of the distance scale and would bend it (DESIGN.md): it is held at what was measured
@@ -39,17 +40,7 @@ HELD = 1e-4
 # kept: it stays nearly as it was found
 KEPT_SIGMAS = (0.01, 0.002, 0.01)
 BACKEND = OptimizerSettings()
-LARGE = 500  # nodes and closures from which on a map is solved bit by bit, as a step is to stay within 50 ms
-ALARM = 2.5  # [sigmas] in a large map, a closure further off than this asks for all: so is one true one in ten
-GROWTH = 0.1  # share by which a large map grows between two solves of all: work per node then stays the same
 STRETCH = 200  # odometry edges that are solved in between in a large map: up to 200 m
-
-
-class OptimisationSettings(BaseModel, frozen=True, extra="forbid"):
-    """When the map is corrected and what the odometry's errors may be."""
-
-    every: int = Field(10, ge=1, description="nodes after which the map is solved though nothing surprising happened")
-    surprise: float = Field(1.0, ge=0, description="a closure further off than this is solved at once [sigmas]")
 
 
 class Optimisation:
@@ -61,50 +52,44 @@ class Optimisation:
     """
 
     def __init__(self, settings: OptimisationSettings, aligner: Aligner, topo: TopoMap) -> None:
-        self._s = settings
         self._map = topo
         topo.judge(OdometerNoise())
         self.sequential = SequentialConstraints(aligner, topo)
-        self._closures: list[tuple[ClosureEdge, Candidate]] = []
+        self._closures = Believed(topo)
         self._covariance = np.diag(np.square(PRIOR_SIGMAS))
         self._running: Slices[Solution] | None = None
         self._stretch: Slices[tuple[Recent, list[int]]] | None = None
-        self._solved_nodes = self._whole_nodes = 0
-        self._heard = 0
+        self._due = SolveDue(settings)
+        self._heard = 0  # closures that the last solve of all was asked of
         self.solves = 0
-        self._surprise = 0.0
-        self._unfit = False  # a closure that no solve of all has heard of doesn't fit beside the newest stretch
         self.contest: Contest | None = None
         self._known: Calibration | None = None  # of a loaded map
 
     def __getstate__(self) -> dict[str, object]:
         """Return what a copy takes along: what is being solved can't be copied, and is due anew there."""
-        state = self.__dict__.copy()
+        state = self.__dict__ | {"_running": None, "_stretch": None, "_due": copy(self._due)}
         if self._running is not None:
-            state |= {"_running": None, "_whole_nodes": 0}
+            state["_due"].give_up(whole=True)
         if self._stretch is not None:
-            state |= {"_stretch": None, "_solved_nodes": 0}
+            state["_due"].give_up(whole=False)
         return state
 
     def resume(self) -> None:
         """Take over a loaded map: its closures stand, and its calibration is what is known of the odometry."""
         self._known = self._map.calibration
-        self._solved_nodes = self._whole_nodes = len(self._map.nodes)
-        for edge in self._map.closures:
-            query, match = self._map.nodes[edge.j].stamp_ns, self._map.nodes[edge.i].stamp_ns
-            candidate = Candidate(query, edge.i, match, edge.relative, edge.covariance, query=edge.j)
-            self._closures.append((edge, candidate))
+        self._due.recall(len(self._map.nodes))
+        self._closures.recall()
         self._heard = len(self._closures)
 
     def update(self, stamp_ns: int, ledger: Ledger) -> tuple[bool, list[Decision]]:
         """Solve what is due; return whether the map was moved and which verdicts changed."""
-        if self._running is None and self._stretch is None and self._whole_due:
+        if self._running is None and self._stretch is None and self._due.whole(len(self._map.nodes), self._large):
             self._start()
             if self._large:
                 return False, []
         if self._running is not None:
             return self._advance(stamp_ns, ledger)
-        if self._stretch is None and self._stretch_due:
+        if self._stretch is None and self._large and self._due.stretch(len(self._map.nodes)):
             self._stretch = self._solving_stretch()
         if self._stretch is not None:
             return self._advance_stretch(stamp_ns, ledger)
@@ -112,13 +97,13 @@ class Optimisation:
 
     def believe(self, edge: ClosureEdge, candidate: Candidate) -> None:
         """Put an accepted closure before the back end, from the next solve on."""
-        self._closures.append((edge, candidate))
-        self._surprise = max(self._surprise, candidate.evidence.sigmas or 0.0)
+        self._closures.add(edge, candidate)
+        self._due.hear(candidate.evidence.sigmas or 0.0)
 
     def finish(self, stamp_ns: int, ledger: Ledger) -> None:
         """Solve the whole map a last time, and keep it unless a rival is better (`topomap.mapping.competition`)."""
         self.solve(stamp_ns, ledger)
-        problem = replace(self._problem(), closures=Closures.of([edge for edge, _ in self._standing()]))
+        problem = replace(self._problem(), closures=self._closures.standing())
         scanned = self.sequential.scanned
         self.contest = compete(problem, self._map.dead_reckoning(), scanned, BACKEND)
         if self.contest.kept == BLIND:
@@ -129,20 +114,9 @@ class Optimisation:
 
     def _fall_back(self, stamp_ns: int, ledger: Ledger) -> None:
         """Take odometry as read for the map, and every closure back."""
-        for edge, candidate in self._standing():
-            self._map.remove(edge)
-            ledger.decide(stamp_ns, candidate, Verdict.WITHDRAWN, "dead reckoning predicts closures better")
+        self._closures.withdraw_all(stamp_ns, ledger, "dead reckoning predicts closures better")
         self._map.move(self._map.dead_reckoning(), Calibration())
         self._covariance = np.diag(np.square(PRIOR_SIGMAS))
-
-    @property
-    def _on_map(self) -> set[tuple[int, int]]:
-        """The pairs of nodes that closures join now."""
-        return {(c.i, c.j) for c in self._map.closures}
-
-    def _standing(self) -> list[tuple[ClosureEdge, Candidate]]:
-        on_map = self._on_map
-        return [(edge, candidate) for edge, candidate in self._closures if (edge.i, edge.j) in on_map]
 
     def abandon(self) -> None:
         """Give up what is being solved: the map isn't any more what it was asked of."""
@@ -151,18 +125,9 @@ class Optimisation:
 
     def disbelieve(self, stamp_ns: int, ledger: Ledger, behind: set[int], reason: str) -> list[Decision]:
         """Take back for good what joins nodes `behind` a gap with others: it was seen by one who was elsewhere."""
-        kept, changed = [], []
-        on_map = self._on_map
-        for edge, candidate in self._closures:
-            if (edge.i in behind) == (edge.j in behind):
-                kept.append((edge, candidate))
-                continue
-            if (edge.i, edge.j) in on_map:
-                self._map.remove(edge)
-                changed.append(ledger.decide(stamp_ns, candidate, Verdict.WITHDRAWN, reason))
-        if len(kept) < len(self._closures):
+        any_gone, changed = self._closures.forget(stamp_ns, ledger, behind, reason)
+        if any_gone:
             self.abandon()  # it was asked of closures that are no more
-            self._closures = kept
         return changed
 
     def solve(self, stamp_ns: int, ledger: Ledger) -> tuple[bool, list[Decision]]:
@@ -179,21 +144,8 @@ class Optimisation:
     def _large(self) -> bool:
         return len(self._map.nodes) + len(self._closures) > LARGE
 
-    @property
-    def _whole_due(self) -> bool:
-        nodes = len(self._map.nodes)
-        if not self._large:
-            return self._surprise > self._s.surprise or nodes - self._solved_nodes >= self._s.every
-        return self._unfit or self._surprise > ALARM or nodes > (1 + GROWTH) * self._whole_nodes
-
-    @property
-    def _stretch_due(self) -> bool:
-        new = len(self._map.nodes) - self._solved_nodes
-        return self._large and (new >= self._s.every or self._surprise > self._s.surprise)
-
     def _start(self) -> None:
-        self._solved_nodes = self._whole_nodes = len(self._map.nodes)
-        self._surprise, self._unfit = 0.0, False
+        self._due.begin(len(self._map.nodes), whole=True)
         self._running = self._solving_whole()
 
     def _solving_whole(self) -> Slices[Solution]:
@@ -201,14 +153,9 @@ class Optimisation:
         self.sequential.weigh()
         yield
         self._heard = len(self._closures)
-        problem, doubted = self._problem(), self._doubted() if self._large else None
+        problem, doubted = self._problem(), self._closures.doubted() if self._large else None
         yield
         return (yield from solving(problem, BACKEND, doubted))
-
-    def _doubted(self) -> BoolArray:
-        """Return which closures (M,) the map does without."""
-        on_map = self._on_map
-        return np.array([(edge.i, edge.j) not in on_map for edge, _ in self._closures], bool)
 
     def _advance(self, stamp_ns: int, ledger: Ledger) -> tuple[bool, list[Decision]]:
         """Do one slice of a large map's solve, or all of a small one's; apply a better result at the end."""
@@ -228,18 +175,19 @@ class Optimisation:
         if not solution.improved:
             return False, []
         self._map.move(solution.poses, solution.calibration)
-        return True, self._review(stamp_ns, ledger, range(self._heard), solution.closure_weights)
+        return True, self._closures.review(stamp_ns, ledger, range(self._heard), solution.closure_weights)
 
     def _solving_stretch(self) -> Slices[tuple[Recent, list[int]]]:
         """Solve the newest stretch in slices; return what was found and which of the closures it was asked of."""
-        self._solved_nodes, self._surprise = len(self._map.nodes), 0.0
+        self._due.begin(len(self._map.nodes), whole=False)
         yield  # the step in which a node came has enough to do
         self.sequential.weigh()
         yield
         edges = [OdometryEdge(*e) for e in self._map.edges_from(max(0, len(self._map.chain) - 1 - STRETCH))]
         ends = {edge.j for edge in edges}
-        new = [k for k, (edge, _) in enumerate(self._closures) if edge.j in ends]
-        closures = Closures.of([self._closures[k][0] for k in new])
+        believed = self._closures.edges
+        new = [k for k, edge in enumerate(believed) if edge.j in ends]
+        closures = Closures.of([believed[k] for k in new])
         turns = self.sequential.turns[-STRETCH:]
         found = yield from solving_recent(self._map.poses, edges, closures, turns, self._map.calibration, BACKEND)
         return found, [new[k] for k in found.heard.tolist()]
@@ -254,11 +202,12 @@ class Optimisation:
             self.solves += 1
             found, heard = end.value
             weights = found.solution.closure_weights
-            self._unfit = any(k >= self._heard for k, weight in zip(heard, weights, strict=True) if weight < 0.5)
+            out = [k for k, weight in zip(heard, weights, strict=True) if weight < 0.5]
+            self._due.found(unfit=any(k >= self._heard for k in out))
             if not found.solution.improved:
                 return False, []
             self._map.shift(found.nodes, found.solution.poses)
-            return True, self._review(stamp_ns, ledger, heard, weights)
+            return True, self._closures.review(stamp_ns, ledger, heard, weights)
         return False, []
 
     @property
@@ -285,7 +234,7 @@ class Optimisation:
         return Problem(
             self._map.poses.copy(),
             self._map.odometry(),
-            Closures.of([edge for edge, _ in self._closures]),
+            Closures.of(self._closures.edges),
             tuple(self.sequential.turns),
             self._map.calibration,
             prior,
@@ -299,19 +248,3 @@ class Optimisation:
         honest[2, :], honest[:, 2] = 0.0, 0.0
         honest[2, 2] = (scale.sigma / scale.value if scale.observed else PRIOR_SIGMAS[2]) ** 2
         return honest
-
-    def _review(self, stamp_ns: int, ledger: Ledger, heard: Sequence[int], weights: FloatArray) -> list[Decision]:
-        """Withdraw what a solution disbelieves and take back what it believes again; each stays for later solves."""
-        changed = []
-        on_map = self._on_map
-        for k, weight in zip(heard, weights.tolist(), strict=True):
-            edge, candidate = self._closures[k]
-            standing = (edge.i, edge.j) in on_map
-            if weight < 0.5 and standing:
-                self._map.remove(edge)
-                reason = "the back end can't fit it beside the other evidence"
-                changed.append(ledger.decide(stamp_ns, candidate, Verdict.WITHDRAWN, reason))
-            elif weight >= 0.5 and not standing:
-                self._map.close(edge)
-                changed.append(ledger.decide(stamp_ns, candidate, Verdict.ACCEPTED, "fits after all"))
-        return changed

@@ -22,7 +22,7 @@ from topomap.mapping.turn_evidence import SHARE_UNCHECKED, UNCHECKED, TurnEviden
 from topomap.vision.compass.epipolar_compass import EpipolarCompass
 from topomap.vision.contracts import Aligner
 from topomap.vision.homing.epipolar import ENOUGH
-from topomap.vision.image.ground_line import ground_ranges
+from topomap.vision.image.ground_line import ground_ranges, way_bias
 from topomap.vision.matching.scan_match import MEASURED, SEEN, ScanMatch, match_scans
 
 SCAN_TURN_SIGMA = math.radians(0.05)
@@ -111,7 +111,7 @@ class SequentialConstraints:
         best = matched if math.isfinite(matched) else seen.rotation
         match = match_scans(ground_ranges(before), ground_ranges(now), np.array([guess[0], guess[1], best]), SEEN)
         if match is not None:
-            self._measure(way, match, seen=True)
+            self._measure(way, match, way_bias(now))
         return taken
 
     def _take(
@@ -127,7 +127,7 @@ class SequentialConstraints:
         self.turns.append(TurnEdge(turn.i, turn.j, value, sigma))
         return self.turns[-1]
 
-    def _measure(self, way: Increments, match: ScanMatch, seen: bool = False) -> None:
+    def _measure(self, way: Increments, match: ScanMatch, bias: float = 0.0) -> None:
         """Compare the measured distance with the odometer's, where the surfaces constrain it."""
         measured = float(np.hypot(match.relative[0], match.relative[1]))
         if measured < MIN_WAY:
@@ -139,7 +139,7 @@ class SequentialConstraints:
             told = Increments(way.stamps_ns, way.deltas, declared(way))
             read, covariance, _ = integrate(told, Calibration(now.rotation_scale, now.curvature))
             odometer = _along(direction, covariance)
-            self._scale.add(float(np.hypot(read[0], read[1])), measured, sigma, seen, odometer)
+            self._scale.add(float(np.hypot(read[0], read[1])), measured, sigma, bias, odometer)
 
 
 def _along(direction: FloatArray, covariance: FloatArray) -> float:

@@ -17,9 +17,10 @@ from topomap.mapping.closures.ledger import Ledger
 from topomap.mapping.closures.online import Closing, ClosingSettings
 from topomap.mapping.closures.robot_tests import RobotTests
 from topomap.mapping.graph import TopoMap
-from topomap.mapping.optimisation import Optimisation, OptimisationSettings
+from topomap.mapping.optimisation import Optimisation
 from topomap.mapping.places.recognition import Moment, Proposal
 from topomap.mapping.places.view_cache import ViewCache
+from topomap.mapping.solve_due import OptimisationSettings
 from topomap.mapping.track import Track
 
 STEP, OUT = 0.1, 201  # [m], readings on the way out: 20 m

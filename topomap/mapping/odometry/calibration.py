@@ -21,9 +21,7 @@ MIN_MOVES = 8
 OUTLIER = 3.0
 """Moves this many sigmas from the others don't count."""
 FLOOR = 0.002
-"""Error that more moves don't take away: scales by ranges came out 0.2 to 0.6 % off ..."""
-SEEN_FLOOR = 0.015
-"""... and by the ground line more, whose rows are read to half a pixel: by the share of moves that were seen."""
+"""Error that more moves don't take away: scales by ranges came out 0.2 to 0.6 % off."""
 YOUNG = 3.0
 """A scatter of few moves is widened: its variance by 1 + 3/sqrt(n)."""
 PRIOR_SIGMA = 0.1
@@ -34,17 +32,17 @@ class DistanceScale:
     """Estimates the distance scale [odometer's metres per metre] from moves that were measured otherwise as well."""
 
     def __init__(self) -> None:
-        self._moves: list[tuple[float, float, bool]] = []
+        self._moves: list[tuple[float, float, float]] = []
         self._checks: list[tuple[float, float, float, float]] = []
 
-    def add(self, read: float, measured: float, sigma: float, seen: bool = False, odometer: float = 0.0) -> None:
+    def add(self, read: float, measured: float, sigma: float, bias: float = 0.0, odometer: float = 0.0) -> None:
         """Take a move: way as the odometer read it, as it was measured, the errors of this and of the odometer [m].
 
-        seen: measured by the ground line, whose bias doesn't average out over many moves.
+        bias: share by which it may be off as all others are, which doesn't average out: 0 for one by ranges.
         """
         if measured > 0 and abs(read / measured - 1.0) <= MAX_CHANGE:
-            self._moves.append((read / measured, math.hypot(sigma, odometer) / measured, seen))
-            if not seen:
+            self._moves.append((read / measured, math.hypot(sigma, odometer) / measured, bias))
+            if not bias:
                 self._checks.append((read, measured, sigma, odometer))
 
     def odometer(self) -> tuple[float, float] | None:
@@ -58,20 +56,22 @@ class DistanceScale:
         return least, scatter * (1.0 + YOUNG / math.sqrt(len(off)))
 
     def estimate(self) -> Estimate:
-        """Return the distance scale with its sigma; 1 with the prior's sigma as long as it isn't observed."""
+        """Return the distance scale with its sigma: 1 with the prior's at first, nearer to it the less is known."""
         unknown = Estimate(1.0, PRIOR_SIGMA, False)
         if len(self._moves) < MIN_MOVES:
             return unknown
-        scales, sigmas, seen = np.array(self._moves).T
+        scales, sigmas, biases = np.array(self._moves).T
         away = np.abs(scales - np.median(scales))
         # sigmas are only known up to a factor: the moves' own spread gives it
         sigmas = sigmas * max(1.0, MAD_TO_SIGMA * float(np.median(away / sigmas)))
         weights = np.where(away <= OUTLIER * sigmas, sigmas**-2.0, 0.0)
         total = float(weights.sum())
-        sigma = math.hypot(total**-0.5, FLOOR, SEEN_FLOOR * float(weights @ seen) / total)
-        if sigma > 0.5 * PRIOR_SIGMA:
-            return unknown
-        return Estimate(float(weights @ scales / total), sigma, True)
+        sigma = math.hypot(total**-0.5, FLOOR, float(weights @ biases) / total)
+        value = float(weights @ scales / total)
+        if sigma <= 0.5 * PRIOR_SIGMA:
+            return Estimate(value, sigma, True)
+        share = PRIOR_SIGMA**2 / (PRIOR_SIGMA**2 + sigma**2)  # what is vague counts as far as it tells
+        return Estimate(1.0 + share * (value - 1.0), math.sqrt(1.0 - share) * PRIOR_SIGMA, False)
 
 
 def calibration_state(

@@ -7,6 +7,7 @@ contrast of the halves above and below, takes a skirting board's upper edge for 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import cv2
@@ -23,6 +24,11 @@ CLEAR = 2.0  # contrast over the floor's own variance from which on a line is se
 STRONG = 3.0  # log contrast beyond which a line is no surer
 BEND, BREAK = 0.15, 0.8  # what a row up or down costs, and a break, in units of a sure line
 LEAST = 4.0  # rows below eye level nearer than which a distance means nothing
+
+
+OFF = 0.25
+"""[rows] By which all lines of a place may be off the same way: their medians were 0 to 0.6 rows off at 1.4 to 10 m in
+five worlds, 0.23 rows (rms)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,6 +50,17 @@ def ground_ranges(panorama: Panorama) -> Float32Array:
     All NaN where the rig doesn't tell the camera's height.
     """
     return panorama.derived("ground ranges", _ground_ranges)
+
+
+def way_bias(panorama: Panorama) -> float:
+    """Return the share by which a way driven comes out wrong, measured by ground ranges as usual in this view.
+
+    A line off by some rows puts what is r away off by r^2 times as much, and what is twice as far by four times.
+    """
+    ranges, rig = ground_ranges(panorama), panorama.rig
+    if not np.isfinite(ranges).any():
+        return math.inf
+    return OFF * 2.0 * float(np.nanmedian(ranges)) / (rig.camera_height * rig.focal)
 
 
 def _ground_ranges(panorama: Panorama) -> Float32Array:
