@@ -46,3 +46,20 @@ def test_the_turns_of_a_map_count_as_soon_as_they_are_measured() -> None:
     topo.turns.append(TurnEdge(int(first[0]), int(last[0]), 0.1, 0.001))
     after = chain.current(unknown).covariance(first, last)[0]
     assert after[2, 2] < 0.05 * before[2, 2]
+
+
+@pytest.mark.parametrize("whole", [False, True])
+def test_what_came_while_older_nodes_were_solved_keeps_its_measured_turns(whole: bool) -> None:
+    """A large map's solve takes many steps; nodes of the meantime lay as odometry had them when it was applied."""
+    topo = square()
+    a, b = topo.chain[-2:]
+    old, moved = topo.poses[:a].copy(), [0.3, 0.2, 0.0]
+    turn = TurnEdge(a, b, topo.pose(b).heading - topo.pose(a).heading + 0.1, 0.001)
+    topo.shift(*turned_end(topo, turn, np.zeros((3, 3))))
+    then = between(topo.poses[a], topo.poses[b])
+    if whole:
+        topo.move(old + moved, topo.calibration)
+    else:
+        topo.shift(np.arange(4, a), old[4:] + moved)
+    assert between(topo.poses[a], topo.poses[b]) == pytest.approx(then)
+    assert topo.poses[a - 1] == pytest.approx(old[-1] + moved)

@@ -118,14 +118,17 @@ class TopoMap:
     def move(self, poses: FloatArray, calibration: Calibration) -> None:
         """Set the poses (n, 3) of the first nodes and the calibration: what a solution does.
 
-        Nodes that came since lie after them on the chain, or between them, as odometry has it.
+        Nodes that came since lie after them on the chain, or between them, as they did, but for what the calibration
+        changes of odometry.
         """
-        self.poses[: len(poses)] = poses
-        self.calibration = calibration
+        since = {}
         for before, node in pairwise(self.chain):
             if node >= len(poses):
-                delta, _, _ = integrate(self._increments[before, node], calibration)
-                self.poses[node] = compose(self.poses[before], delta)
+                then, now = (integrate(self._increments[before, node], c)[0] for c in (self.calibration, calibration))
+                since[before, node] = between(self.poses[before], self.poses[node]) + now - then
+        self.poses[: len(poses)] = poses
+        self.calibration = calibration
+        self._lay(since)
 
     def place(self, node: int, pose: Pose2) -> None:
         """Move a node and all behind it on the chain as a whole, so that it lies at `pose`; before it is a gap then."""
@@ -139,14 +142,13 @@ class TopoMap:
     def shift(self, nodes: IntArray, poses: FloatArray) -> None:
         """Set the poses (n, 3) of some nodes (n,), in travel order and to what was the end of the chain.
 
-        Nodes that came since lie after them on the chain, or between them, as odometry has it.
+        Nodes that came since lie after them on the chain, or between them, as they did.
         """
-        self.poses[nodes] = poses
         known = set(nodes.tolist())
-        for before, node in pairwise(self.chain[self.chain.index(int(nodes[0])) :]):
-            if node not in known:
-                delta, _, _ = integrate(self._increments[before, node], self.calibration)
-                self.poses[node] = compose(self.poses[before], delta)
+        way = pairwise(self.chain[self.chain.index(int(nodes[0])) :])
+        since = {(a, b): between(self.poses[a], self.poses[b]) for a, b in way if b not in known}
+        self.poses[nodes] = poses
+        self._lay(since)
 
     def lean(self, node: int, roll: float, pitch: float) -> None:
         """Let a snapshot's camera have leant so [rad]. Raises ValueError for a node without one."""
@@ -265,6 +267,11 @@ class TopoMap:
         for edge in closures:
             self.close(edge)
         self.turns = turns
+
+    def _lay(self, ways: dict[tuple[int, int], FloatArray]) -> None:
+        """Lay nodes behind those before them on the chain, each by its way (3,)."""
+        for (before, node), way in ways.items():
+            self.poses[node] = compose(self.poses[before], way)
 
     def _store(self, node: Node, pose: FloatArray, place: int) -> int:
         new = len(self.nodes)
