@@ -64,8 +64,7 @@ results: $(VENV)/.test ## the figures of docs/results, docs/THESIS.md and docs/R
 	$(BIN)/topomap bench kidnapped examples/worlds/two-corridors.toml,office-loop --seeds 60-64 $(KEEP)/kidnapped.csv
 	$(BIN)/topomap bench graphs --graphs CSAIL,intel --peers DCS,GNC,Huber $(KEEP)/graphs.csv
 	$(BIN)/topomap bench graphs --graphs manhattanOlson3500 --peers DCS,GNC,Huber $(KEEP)/graphs.csv
-	$(BIN)/topomap bench graphs --graphs w10000 --peers DCS,GNC,Huber --seeds 0 $(KEEP)/graphs.csv
-	$(BIN)/topomap bench graphs --graphs w10000 --peers none --seeds 1-2 --shares .2,.5,.8,.9 $(KEEP)/graphs.csv
+	$(BIN)/topomap bench graphs --graphs w10000 --peers DCS,GNC,Huber --seeds 0-2 $(KEEP)/graphs.csv
 	$(BIN)/python -m tests.fuzz $(KEEP)/fuzz.csv
 	$(BIN)/python -m tests.mutation --named
 	$(BIN)/python -m tests.mutation --sample 150 --out docs/results/mutation.json
