@@ -18,7 +18,7 @@ from topomap.mapping.nodes import Node as Node
 from topomap.mapping.nodes import Snapshot as Snapshot
 from topomap.mapping.odometry.chain_increments import ChainIncrements
 from topomap.mapping.odometry.gap import bridged
-from topomap.mapping.odometry.increments import Calibration, Increments, integrate, track
+from topomap.mapping.odometry.increments import Calibration, EdgeIncrements, Increments, integrate, track
 from topomap.mapping.odometry.noise import OdometerNoise
 from topomap.mapping.optimizer.problem import ClosureEdge, OdometryEdges, TurnEdge
 
@@ -193,10 +193,11 @@ class TopoMap:
         for (a, b), judged in zip(edges, self._increments.judged(edges), strict=True):
             yield a, b, judged
 
-    def odometry(self) -> OdometryEdges:
-        """Return the edges along the whole chain in one piece, their covariances as judged."""
-        nodes = np.array(self.chain, np.int64)
-        return OdometryEdges(nodes[:-1], nodes[1:], self._increments.whole(list(pairwise(self.chain))))
+    def odometry(self, place: int = 0) -> OdometryEdges:
+        """Return the edges along the chain from a place in it on, in one piece, their covariances as judged."""
+        nodes, edges = np.array(self.chain[place:], np.int64), list(pairwise(self.chain[place:]))
+        increments = EdgeIncrements.of(self._increments.judged(edges)) if place else self._increments.whole(edges)
+        return OdometryEdges(nodes[:-1], nodes[1:], increments)
 
     def way(self, a: int, b: int) -> Increments:
         """Return the increments as declared from node a to node b, which comes later on the chain and not long before

@@ -10,7 +10,7 @@ GROWTH = 0.1  # share by which a large map grows between two solves of all: work
 
 
 class OptimisationSettings(BaseModel, frozen=True, extra="forbid"):
-    """When the map is corrected and what the odometry's errors may be."""
+    """When the map is corrected."""
 
     every: int = Field(10, ge=1, description="nodes after which the map is solved though nothing surprising happened")
     surprise: float = Field(1.0, ge=0, description="a closure further off than this is solved at once [sigmas]")

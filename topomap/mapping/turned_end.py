@@ -9,7 +9,6 @@ import numpy as np
 from topomap.core.arrays import FloatArray, IntArray
 from topomap.core.geometry import between, compose, wrap
 from topomap.mapping.graph import TopoMap
-from topomap.mapping.odometry.increments import EdgeIncrements
 from topomap.mapping.optimisation import BACKEND
 from topomap.mapping.optimizer import TurnEdge, geman_mcclure
 
@@ -25,7 +24,7 @@ def turned_end(topo: TopoMap, turn: TurnEdge, calibration: FloatArray) -> tuple[
     place = len(topo.chain) - 1 - topo.chain[::-1].index(turn.i)
     nodes = np.array(topo.chain[place:], np.int64)
     poses = topo.poses[nodes]
-    edges = EdgeIncrements.of([way for _, _, way in topo.edges_from(place)]).integrate(topo.calibration)
+    edges = topo.odometry(place).increments.integrate(topo.calibration)
     noise = edges.covariances(topo.calibration)[:, :, 2]
     systematic = edges.jacobians(topo.calibration)[:, 2].sum(axis=0)
     off = wrap(turn.turn - float(poses[-1, 2] - poses[0, 2]))

@@ -24,7 +24,7 @@ class ChainIncrements:
         self._judged: dict[Ends, Increments] = {}
         self._parts: list[Increments] = []  # of which `whole` was made last, as declared,
         self._whole = EdgeIncrements.of([])  # in one piece,
-        self._said = (AS_DECLARED, self._whole)  # and as judged by which noise
+        self._as_judged = (AS_DECLARED, self._whole)  # and as judged by which noise
 
     def __getitem__(self, ends: Ends) -> Increments:
         return self._declared[ends]
@@ -61,12 +61,12 @@ class ChainIncrements:
                      min(len(self._parts), len(parts)))  # fmt: skip
         new = EdgeIncrements.of(parts[known:])
         self._parts, self._whole = parts, self._whole.first(known).followed_by(new)
-        noise, judged = self._said
+        noise, judged = self._as_judged
         if noise == self.noise:
             judged = judged.first(known).followed_by(self._judging(new))
         else:
             judged = self._judging(self._whole)
-        self._said = self.noise, judged
+        self._as_judged = self.noise, judged
         return judged
 
     def set_back(self, back: int) -> None:

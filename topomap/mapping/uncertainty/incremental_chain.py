@@ -6,7 +6,7 @@ import numpy as np
 
 from topomap.core.arrays import FloatArray, IntArray
 from topomap.mapping.graph import TopoMap
-from topomap.mapping.odometry.increments import Calibration, EdgeIncrements
+from topomap.mapping.odometry.increments import Calibration
 from topomap.mapping.optimizer import TurnEdge
 from topomap.mapping.uncertainty.odometry_chain import Chain
 
@@ -34,7 +34,7 @@ class IncrementalChain:
         nodes = np.array(self._map.chain, np.int64)
         poses = self._map.poses[nodes]
         same = self._unchanged(nodes, poses)
-        edges = self._edges_from(max(same - 1, 0)).integrate(self._map.calibration)
+        edges = self._map.odometry(max(same - 1, 0)).increments.integrate(self._map.calibration)
         head = None if self._chain is None or not same else self._chain.head(same)
         variances = self._turn_variances(nodes[max(same, 1) :], edges.covariance[:, 2, 2])
         self._chain = Chain.of(poses, edges, self._map.calibration, covariance, head, variances)
@@ -42,12 +42,6 @@ class IncrementalChain:
         self._nodes, self._calibration = nodes, self._map.calibration
         self._noise = self._map.noise
         return self._chain
-
-    def _edges_from(self, place: int) -> EdgeIncrements:
-        """Return the increments along the chain from a place in it on."""
-        if not place:
-            return self._map.odometry().increments
-        return EdgeIncrements.of([increments for _, _, increments in self._map.edges_from(place)])
 
     def _hear(self) -> None:
         """Take over the turns as they are now; most are the same objects as before."""

@@ -53,7 +53,8 @@ def ground_ranges(panorama: Panorama) -> Float32Array:
 
 
 def way_bias(panorama: Panorama) -> float:
-    """Return the share by which a way driven comes out wrong, measured by ground ranges as usual in this view.
+    """Return the share by which a way driven comes out wrong, measured by ground ranges as usual in this view; infinity
+    where there are none.
 
     A line off by some rows puts what is r away off by r^2 times as much, and what is twice as far by four times.
     """
