@@ -99,7 +99,12 @@ class SimRobot:
         """About how many readings the taught route takes."""
         if not self._config.driver.teaches:
             return 1
-        return math.ceil(self.route_length_m / (self._config.body.max_speed * self._config.body.step)) + 3
+        return math.ceil(self.route_length_m / self.step_m) + 3
+
+    @property
+    def step_m(self) -> float:
+        """Way from one reading to the next at full speed [m]."""
+        return self._config.body.max_speed * self._config.body.step
 
     def sense(self) -> SimReading | None:
         """Move for one step (not before the first reading) and return what is sensed, or None after `stop`.

@@ -73,6 +73,19 @@ def test_it_travels_on_a_saved_map_and_the_log_replays(taught: Path, tmp_path: P
     assert "The graph hash is the run's." in done.output
 
 
+def test_a_patrol_has_the_time_that_its_ways_take(
+    taught: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("topomap.app.runs.STEPS_SPARE", 0)  # nothing else is granted than what the ways take
+    words = ("--map", taught, "--mission", "patrol:desk,0,desk", "--start", 0, "--seed", 1)
+    summary = run(tmp_path / "patrol", *words)
+    legs = summary["legs"]
+    assert isinstance(legs, list)
+    assert [leg["claimed"] and leg["within_0_3_m"] for leg in legs] == [True] * 3
+    assert legs[0]["way_m"] + legs[1]["way_m"] + legs[2]["way_m"] > 5.0
+    assert all(leg["path_ratio"] < 1.3 and leg["collisions"] == 0 for leg in legs)
+
+
 def test_put_down_anywhere_it_finds_itself_and_goes_where_it_was_sent(taught: Path, tmp_path: Path) -> None:
     summary = run(tmp_path, "--map", taught, "--mission", "goto:desk", "--at", "3.0,3.0,170", "--seed", 3)
     home = summary["home"]

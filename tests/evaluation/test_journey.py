@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from synthetic_run import LAP, make_run
 
-from topomap.evaluation.journey import HomeResult, handover_step, home, reference_route
+from topomap.core.run_data import Leg
+from topomap.evaluation.journey import HomeResult, handover_step, home, legs, reference_route
 
 RUN = make_run()
 
@@ -60,3 +61,31 @@ def test_driven_to_the_end_has_no_way_home() -> None:
     result = home(replace(RUN, driven=np.ones(len(RUN.stamps_ns), dtype=np.bool_)))
     assert result.path_ratio is None
     assert result.collisions is None
+
+
+def test_each_leg_is_judged_where_it_ended() -> None:
+    assert RUN.truth is not None
+    # taken at step 2 * LAP + 24, so that the leg up to there led to it
+    there = replace(RUN.nodes[3], stamp_ns=int(RUN.stamps_ns[2 * LAP + 24]))
+    nodes = (*RUN.nodes[:3], there, *RUN.nodes[4:])
+    contact = np.isin(np.arange(len(RUN.stamps_ns)), [2 * LAP + 3, 2 * LAP + 30])
+    ways = (
+        Leg(3, 2 * LAP, 2 * LAP + 24, True),
+        Leg(3, 2 * LAP + 25, 2 * LAP + 40, True),
+        Leg(99, 2 * LAP + 41, 2 * LAP + 44, None),
+    )
+    first, second, third = legs(replace(RUN, nodes=nodes, contact=contact, legs=ways))
+    assert (first.within, first.error, first.collisions) == (True, pytest.approx(0.0, abs=1e-9), 1)
+    assert first.ratio is not None
+    assert 1.0 <= first.ratio < 1.2
+    assert (second.claimed, second.within, second.ratio, second.collisions) == (True, False, None, 1)
+    assert (third.claimed, third.within, third.error, third.collisions) == (None, None, None, 0)
+    assert third.way is not None
+    assert third.way > 0.0
+
+
+def test_legs_of_a_replay_and_of_a_drive_whose_truth_nobody_knows() -> None:
+    ways = (Leg(7, 2 * LAP, 2 * LAP + 24, True),)
+    assert legs(replace(RUN, legs=ways, replayed=True)) == []
+    (only,) = legs(replace(RUN, legs=ways, truth=None, contact=None))
+    assert (only.claimed, only.within, only.error, only.way, only.ratio, only.collisions) == (True,) + (None,) * 5

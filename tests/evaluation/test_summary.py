@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from synthetic_run import make_run
 
-from topomap.core.run_data import TrueCalibration
+from topomap.core.run_data import Leg, TrueCalibration
 from topomap.evaluation.summary import plain, summarise, table_rows, write_summary
 
 RUN = make_run()
@@ -31,6 +31,7 @@ KEYS = {
     "distance_scale": {"true", "found", "sigma"},
     "curvature": {"true", "found", "sigma"},
     "home": {"asked", "claimed", "within_0_3_m", "error_m", "path_ratio", "shortest_ratio", "collisions"},
+    "legs": None,
     "trust": {"kept", "way_noise", "turn_noise"},
     "mount": {"roll_deg", "pitch_deg", "sigma_deg", "sway_deg", "taken_out"},
     "graph_hash": None,
@@ -108,3 +109,10 @@ def test_plain_values() -> None:
         "1": [3, ["a", "b"]],
         "x": [1.0, None],
     }
+
+
+def test_a_patrol_is_a_row_that_tells_of_false_claims() -> None:
+    assert "legs" not in dict(table_rows(summarise(RUN)))
+    a, b = Leg(7, 120, 179, True, (1, 3)), Leg(6, 120, 175, False)
+    rows = dict(table_rows(summarise(replace(RUN, legs=(a, b, replace(a, goal=6, last=140))))))
+    assert rows["legs"].startswith("2 of 3 claimed, 2 falsely, ")

@@ -47,6 +47,7 @@ from topomap.core.records import (
 )
 from topomap.core.run_data import TrueCalibration, Trust
 from topomap.recording import decode, encode, run_reader, true_nodes
+from topomap.recording.legs import milestones
 from topomap.recording.recorder import FinalMap, MapNow, RunRecorder, _final, _rows
 from topomap.recording.recover import recover_log
 from topomap.recording.steps import read_steps
@@ -208,7 +209,7 @@ def test_steps_are_those_that_were_logged_wholly() -> None:
         said.append(f"{found.stamps_ns.tolist()} {found.online.tolist()} {found.dead_reckoning.tolist()} "
                     f"{None if found.truth is None else found.truth.tolist()} {found.driven.tolist()} "
                     f"{found.contact.tolist()} {found.stage_ms} {found.difference('place').tolist()}")  # fmt: skip
-        said.append(f"{run_reader._threshold(found)} {run_reader._goal(found, None)} {run_reader._milestones(found)}")
+        said.append(f"{run_reader._threshold(found)} {run_reader._goal(found, None)} {milestones(found.missions)}")
     as_before("recorder steps read", {"said": said})
 
 
@@ -224,7 +225,7 @@ def test_what_a_reader_makes_of_ends_is_as_before() -> None:
         )
         assert run_reader._goal(made, one) == goal
         assert run_reader._claimed(made, one) is claimed
-        assert run_reader._milestones(made) == (4, 2)
+        assert milestones(made.missions) == (4, 2)
     assert run_reader._claimed(steps(mission("teach")), None) is None
     assert run_reader._claimed(steps(mission("teach"), mission("failed")), None) is False
     assert run_reader._goal(steps(mission("teach")), None) is None

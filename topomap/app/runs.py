@@ -14,6 +14,7 @@ from topomap.app.config import RunConfig
 from topomap.app.folder import RunFolder
 from topomap.app.interrupt import Stop, stop_on_signal
 from topomap.app.logged_run import Meet, Progress, run_logged
+from topomap.app.mission_steps import expected_steps
 from topomap.app.saved_map import SavedMap, write_truths
 from topomap.app.stored_run import StoredRun
 from topomap.app.warm_up import warm_up
@@ -27,7 +28,8 @@ from topomap.recording.run_reader import read_run
 from topomap.report.report import write_report
 
 STEPS_SPARE, STEPS_RATIO = 5000, 20
-"""A simulated run may take so many steps, and so many times those of its route: going home takes less than once."""
+"""A simulated run may take so many steps, and so many times those of its route or of the ways to its goals: going home
+takes less than once."""
 
 
 @dataclass(frozen=True)
@@ -75,7 +77,7 @@ def run_world(
         TrueCalibration(known.rotation_scale, known.distance_scale, known.curvature),
         robot.world.plan(),
     )
-    most = STEPS_SPARE + STEPS_RATIO * robot.expected_steps
+    most = STEPS_SPARE + STEPS_RATIO * expected_steps(robot, config.stack.mission, saved)
     return execute(robot, robot, header, config, folder, progress, most, saved=saved)
 
 

@@ -43,6 +43,7 @@ def run(
     """
     from topomap.app import runs
     from topomap.app.folder import RunFolder
+    from topomap.app.mission_steps import expected_steps
     from topomap.app.missions import mission_config
     from topomap.app.saved_map import SavedMap
     from topomap.core.names import safe_name
@@ -51,7 +52,8 @@ def run(
     saved = SavedMap.open(map_file, chosen.stack.mission) if map_file else None
     robot = runs.open_world(world, seed, chosen)
     folder = RunFolder.create(out or Path("runs") / f"{safe_name(robot.world.name)}-{seed}", force=force)
-    with progress(robot.world.name, robot.expected_steps) as advance, told_faults():
+    steps = expected_steps(robot, chosen.stack.mission, saved)
+    with progress(robot.world.name, steps) as advance, told_faults():
         result = runs.run_world(robot, seed, chosen, folder, advance, saved)
     show(result)
     if result.failure:

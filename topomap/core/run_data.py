@@ -44,6 +44,18 @@ class NodeData:
 
 
 @dataclass(frozen=True)
+class Leg:
+    """One goal that the robot was sent to: its node, the first and the last step [index] with it, whether the robot
+    then said that it arrived (None: the log ends before), and the milestones on the way, in their order."""
+
+    goal: int
+    first: int
+    last: int
+    claimed: bool | None
+    milestones: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True)
 class RunData:
     """One run, N steps; poses (N, 3) are x, y [m], heading [rad], each in its own frame.
 
@@ -57,8 +69,8 @@ class RunData:
     trust: what the finished map makes of its evidence; mount: how the camera leans, None where too little was seen;
     earlier: true poses (3,) of nodes that the run's map had before it, by stamp;
     milestones: the node ids of the planned route home; claimed: the robot said that it arrived; goal_node: where it was
-    sent; fault: what ended the run before its time; log_state, log_note: whether all that was written of it was there
-    to be read ("whole"), and what was not.
+    sent last; legs: one for each goal, in their order; fault: what ended the run before its time; log_state, log_note:
+    whether all that was written of it was there to be read ("whole"), and what was not.
     """
 
     world: str
@@ -86,6 +98,7 @@ class RunData:
     goal_node: int | None = None
     claimed: bool | None = None
     milestones: tuple[int, ...] = ()
+    legs: tuple[Leg, ...] = ()
     replayed: bool = False
     graph_hash: str = ""
     trust: Trust = field(default_factory=Trust)

@@ -1,4 +1,4 @@
-"""How well the robot came home, by its own word and by the truth."""
+"""How well the robot came home, or to each goal of a patrol, by its own word and by the truth."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from topomap.core.arrays import FloatArray
-from topomap.core.run_data import NodeData, RunData
+from topomap.core.run_data import Leg, NodeData, RunData
 from topomap.evaluation.closures import runs_of
 from topomap.evaluation.shortest import shortest_way
 from topomap.evaluation.trajectory import travel, true_pose
@@ -56,58 +56,103 @@ def reference_route(run: RunData) -> FloatArray | None:
 
     From the true position at hand-over over the true positions of the planned milestones to that of the goal
     node; without milestones straight to the goal. The plan's own detours are thus no fault of the drive, and
-    a drive that cuts corners between milestones can have a ratio below 1.
+    a drive that cuts corners between milestones can have a ratio below 1. On a patrol it leads over all goals.
     """
-    start, end = handover_step(run), goal(run)
-    if run.truth is None or start is None or end is None:
+    start = handover_step(run)
+    if run.goal_node is None or start is None:
         return None
+    return _reference(run, Leg(run.goal_node, start, len(run.stamps_ns) - 1, run.claimed, run.milestones))
+
+
+def _reference(run: RunData, leg: Leg) -> FloatArray | None:
     stamps = {node.node: node.stamp_ns for node in run.nodes}
-    route = [stamps[node] for node in run.milestones if node in stamps and node != end.node] + [end.stamp_ns]
-    return np.array([run.truth[start, :2], *(true_pose(run, stamp)[:2] for stamp in route)])
+    if run.truth is None or leg.goal not in stamps:
+        return None
+    nodes = [node for node in leg.milestones if node in stamps and node != leg.goal] + [leg.goal]
+    return np.array([run.truth[leg.first, :2], *(true_pose(run, stamps[node])[:2] for node in nodes)])
+
+
+@dataclass(frozen=True, slots=True)
+class LegResult:
+    """One leg of a mission; None where it doesn't apply or the truth is missing.
+
+    claimed: the robot said it arrived, None where it was cut off; within, error [m], collisions: as in `HomeResult`, at
+    the leg's last step; way [m]: driven; ratio: way over that by the planned milestones, None for a leg that didn't
+    lead to its goal.
+    """
+
+    goal: int
+    claimed: bool | None
+    within: bool | None
+    error: float | None
+    way: float | None
+    ratio: float | None
+    collisions: int | None
+
+
+def legs(run: RunData) -> list[LegResult]:
+    """Return how each leg went, in their order; none of a replay, which can't change the drive."""
+    return [] if run.replayed else [_judged(run, leg) for leg in run.legs]
+
+
+def _judged(run: RunData, leg: Leg) -> LegResult:
+    error = _error(run, leg)
+    within = None if error is None else error <= REACHED_M
+    way = None if run.truth is None else _way(run.truth, leg)
+    came = leg.claimed is True and within is not False
+    ratio = _ratio(run, leg) if came else None
+    return LegResult(leg.goal, leg.claimed, within, error, way, ratio, _collisions(run, leg))
 
 
 def home(run: RunData) -> HomeResult:
-    """Return how the way home went."""
+    """Return how the way home went, or the way to the last goal of a patrol."""
     if run.replayed:
         return HomeResult()
     if run.goal_node is None:
         return HomeResult(asked=False)
-    error = _error(run)
+    last = len(run.stamps_ns) - 1
+    error = _error(run, Leg(run.goal_node, last, last, run.claimed))
     within = None if error is None else error <= REACHED_M
+    start = handover_step(run)
+    if start is None:
+        return HomeResult(True, run.claimed, within, error)
+    way = Leg(run.goal_node, start, last, run.claimed, run.milestones)
     # a way that didn't lead home has no ratio: the nearer the robot gave up, the better it would look
     came = run.claimed and within is not False
-    ratio, shortest = (_path_ratio(run), _shortest_ratio(run)) if came else (None, None)
-    return HomeResult(True, run.claimed, within, error, ratio, _collisions(run), shortest)
+    ratio, shortest = (_ratio(run, way), _shortest_ratio(run, way)) if came else (None, None)
+    return HomeResult(True, run.claimed, within, error, ratio, _collisions(run, way), shortest)
 
 
-def _error(run: RunData) -> float | None:
-    end = goal(run)
-    if run.truth is None or end is None:
+def _error(run: RunData, leg: Leg) -> float | None:
+    stamp = next((node.stamp_ns for node in run.nodes if node.node == leg.goal), None)
+    if run.truth is None or stamp is None:
         return None
-    gap = run.truth[-1, :2] - true_pose(run, end.stamp_ns)[:2]
+    gap = run.truth[leg.last, :2] - true_pose(run, stamp)[:2]
     error = math.hypot(gap[0], gap[1])
     return error if math.isfinite(error) else None
 
 
-def _path_ratio(run: RunData) -> float | None:
-    route, start = reference_route(run), handover_step(run)
-    if route is None or start is None or run.truth is None:
+def _way(truth: FloatArray, leg: Leg) -> float:
+    return float(travel(truth[leg.first : leg.last + 1])[-1])
+
+
+def _ratio(run: RunData, leg: Leg) -> float | None:
+    route = _reference(run, leg)
+    if route is None or run.truth is None:
         return None
-    shortest = float(travel(route)[-1])
-    return float(travel(run.truth[start:])[-1]) / shortest if shortest > 0.0 else None
+    planned = float(travel(route)[-1])
+    return _way(run.truth, leg) / planned if planned > 0.0 else None
 
 
-def _shortest_ratio(run: RunData) -> float | None:
-    end, start = goal(run), handover_step(run)
-    if run.truth is None or start is None or end is None or not np.isfinite(run.truth[:, :2]).all():
+def _shortest_ratio(run: RunData, leg: Leg) -> float | None:
+    route = _reference(run, leg)
+    if run.truth is None or route is None or not np.isfinite(run.truth[:, :2]).all():
         return None
-    places = run.truth[:, :2]
-    shortest = shortest_way(run.plan, places, places[start], true_pose(run, end.stamp_ns)[:2])
-    return float(travel(run.truth[start:])[-1]) / shortest if shortest else None
+    shortest = shortest_way(run.plan, run.truth[:, :2], route[0], route[-1])
+    return _way(run.truth, leg) / shortest if shortest else None
 
 
-def _collisions(run: RunData) -> int | None:
-    start = handover_step(run)
-    if run.contact is None or start is None:
+def _collisions(run: RunData, leg: Leg) -> int | None:
+    if run.contact is None:
         return None
-    return sum(first >= start for first, _ in runs_of(run.contact))
+    return sum(leg.first <= first <= leg.last for first, _ in runs_of(run.contact))

@@ -14,7 +14,7 @@ from topomap.core.arrays import FloatArray
 from topomap.core.records import Estimate, MountLean
 from topomap.core.run_data import RunData
 from topomap.evaluation.closures import count
-from topomap.evaluation.journey import home
+from topomap.evaluation.journey import home, legs
 from topomap.evaluation.summary_table import Summary, table_rows
 from topomap.evaluation.trajectory import ate, travel
 
@@ -44,6 +44,7 @@ def summarise(run: RunData) -> Summary:
         "distance_scale": _scale(true.distance_scale, estimated.distance_scale if estimated else None),
         "curvature": _scale(true.curvature, estimated.curvature if estimated else None),
         "home": _home(run),
+        "legs": _legs(run),
         "trust": {
             "kept": run.trust.kept or None,
             "way_noise": _number(run.trust.way_noise),
@@ -83,6 +84,21 @@ def _home(run: RunData) -> Summary:
         "shortest_ratio": _number(way.shortest_ratio),
         "collisions": way.collisions,
     }
+
+
+def _legs(run: RunData) -> list[Summary]:
+    return [
+        {
+            "goal": leg.goal,
+            "claimed": leg.claimed,
+            "within_0_3_m": leg.within,
+            "error_m": _number(leg.error),
+            "way_m": _number(leg.way),
+            "path_ratio": _number(leg.ratio),
+            "collisions": leg.collisions,
+        }
+        for leg in legs(run)
+    ]
 
 
 def plain(value: object) -> object:

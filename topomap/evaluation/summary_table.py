@@ -26,6 +26,7 @@ def table_rows(summary: Summary) -> list[tuple[str, str]]:
         ("distance scale", _scale(_part(summary, "distance_scale"), ".4f", "")),
         ("curvature", _scale(_part(summary, "curvature"), ".5f", " rad/m")),
         ("home", _home(home)),
+        *_legs(summary.get("legs")),
         ("declared sigma x", _odometer(_part(summary, "trust"))),
         ("camera leans", _mount(_part(summary, "mount")) if "mount" in summary else MISSING),
         ("map kept", str(_part(summary, "trust")["kept"] or MISSING)),
@@ -41,6 +42,18 @@ def _troubles(summary: Summary) -> list[tuple[str, str]]:
     if isinstance(log, Mapping) and log["state"] != "whole":
         rows.append(("log", f"{log['state']}: {log['note']}"))
     return rows
+
+
+def _legs(legs: object) -> list[tuple[str, str]]:
+    """Return a row for the goals of a patrol, where there was more than one."""
+    if not isinstance(legs, list) or len(legs) < 2:
+        return []
+    false = sum(leg["claimed"] is True and leg["within_0_3_m"] is False for leg in legs)
+    said = sum(leg["claimed"] is True for leg in legs)
+    errors = [leg["error_m"] for leg in legs if leg["claimed"] and leg["error_m"] is not None]
+    worst = f", {max(errors):.2f} m off at most" if errors else ""
+    way = sum(leg["way_m"] or 0.0 for leg in legs)
+    return [("legs", f"{said} of {len(legs)} claimed, {false} falsely{worst}, {way:.1f} m")]
 
 
 def _part(summary: Summary, key: str) -> Part:

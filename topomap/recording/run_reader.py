@@ -20,6 +20,7 @@ from topomap.core.records import CalibrationState, Decision, MountLean, Phase, V
 from topomap.core.run_data import NodeData, RunData, Trust
 from topomap.recording import decode
 from topomap.recording import steps as columns
+from topomap.recording.legs import legs
 from topomap.recording.steps import Steps, read_steps
 from topomap.recording.true_nodes import ATTACHMENT, parse_truths
 
@@ -83,6 +84,7 @@ def _load(log_file: LogReader) -> RunData:
     performance = _last(rows, topics.PERFORMANCE, log.Performance)
     nodes = _nodes(rows, final)
     final_poses = _trajectory(steps, final)
+    ways = legs(steps.missions)
     _check_poses(steps.dead_reckoning, steps.online, final_poses)
     return RunData(
         world=header.world,
@@ -110,7 +112,8 @@ def _load(log_file: LogReader) -> RunData:
         first_closure=_first_closure(log_file, steps, decisions),
         goal_node=_goal(steps, final),
         claimed=_claimed(steps, final),
-        milestones=_milestones(steps),
+        milestones=tuple(node for leg in ways for node in leg.milestones),
+        legs=ways,
         replayed=header.replayed,
         graph_hash="" if final is None else final.graph_hash,
         trust=Trust() if final is None else Trust(final.kept or "", final.way_noise, final.turn_noise),
@@ -193,12 +196,6 @@ def _claimed(steps: Steps, final: log.Final | None) -> bool | None:
         return final.claimed
     phases = {mission.travel for mission in steps.missions}
     return Phase.ARRIVED in phases if phases - {Phase.TEACH} else None
-
-
-def _milestones(steps: Steps) -> tuple[int, ...]:
-    """Return the milestones in the order in which they were first steered for."""
-    wanted = (mission.milestone for mission in steps.missions if mission.milestone is not None)
-    return tuple(dict.fromkeys(wanted))
 
 
 def _first_closure(log_file: LogReader, steps: Steps, decisions: tuple[Decision, ...]) -> tuple[tuple[str, Image], ...]:
