@@ -89,3 +89,11 @@ def test_legs_of_a_replay_and_of_a_drive_whose_truth_nobody_knows() -> None:
     assert legs(replace(RUN, legs=ways, replayed=True)) == []
     (only,) = legs(replace(RUN, legs=ways, truth=None, contact=None))
     assert (only.claimed, only.within, only.error, only.way, only.ratio, only.collisions) == (True,) + (None,) * 5
+
+
+def test_of_a_patrol_home_is_the_last_leg() -> None:
+    first, last = Leg(3, 2 * LAP, 2 * LAP + 24, True), Leg(7, 2 * LAP + 25, len(RUN.stamps_ns) - 1, True)
+    whole = replace(RUN, contact=np.isin(np.arange(len(RUN.stamps_ns)), [2 * LAP + 3, 2 * LAP + 30]))
+    assert home(whole).collisions == 2
+    assert home(replace(whole, legs=(last,))).collisions == 2
+    assert home(replace(whole, legs=(first, last))).collisions == 1

@@ -105,7 +105,7 @@ def _judged(run: RunData, leg: Leg) -> LegResult:
 
 
 def home(run: RunData) -> HomeResult:
-    """Return how the way home went, or the way to the last goal of a patrol."""
+    """Return how the way home went; of a patrol, how its last leg went."""
     if run.replayed:
         return HomeResult()
     if run.goal_node is None:
@@ -116,7 +116,8 @@ def home(run: RunData) -> HomeResult:
     start = handover_step(run)
     if start is None:
         return HomeResult(True, run.claimed, within, error)
-    way = Leg(run.goal_node, start, last, run.claimed, run.milestones)
+    patrol = len(run.legs) > 1
+    way = run.legs[-1] if patrol else Leg(run.goal_node, start, last, run.claimed, run.milestones)
     # a way that didn't lead home has no ratio: the nearer the robot gave up, the better it would look
     came = run.claimed and within is not False
     ratio, shortest = (_ratio(run, way), _shortest_ratio(run, way)) if came else (None, None)

@@ -1,4 +1,4 @@
-"""The way home: planned milestones, the path that was driven and the goal, with its last metre enlarged."""
+"""The way home: planned milestones, the path that was driven and the goals, with the last one's surroundings."""
 
 from __future__ import annotations
 
@@ -52,6 +52,18 @@ def _draw(axes: Axes, run: RunData, truth: FloatArray, route: FloatArray, start:
     axes.plot(*route[-1], "*", color=style.RED, markersize=11, markeredgecolor="white",
               markeredgewidth=0.5, label="goal, 0.3 m", zorder=6)  # fmt: skip
     axes.plot(*truth[-1, :2], "o", color=style.BLACK, markersize=5, label="end", zorder=6)
+    _draw_goals(axes, run, truth)
+
+
+def _draw_goals(axes: Axes, run: RunData, truth: FloatArray) -> None:
+    """Number the goals of a patrol where their legs ended; a leg that wasn't claimed has its number in brackets."""
+    if len(run.legs) < 2:
+        return
+    for number, leg in enumerate(run.legs, 1):
+        said = f"{number}" if leg.claimed else f"({number})"
+        axes.annotate(said, tuple(truth[leg.last, :2]), (4, 4), textcoords="offset points", fontsize=8,
+                      color=style.RED, clip_on=True, zorder=7)  # fmt: skip
+        axes.plot(*truth[leg.last, :2], ".", color=style.RED, markersize=6, zorder=6)
 
 
 def _look_at(axes: Axes, points: FloatArray) -> None:
