@@ -1,4 +1,4 @@
-"""Commands that measure the robot: bench kidnapped, breaks, faults, journeys."""
+"""Commands that measure the robot: bench kidnapped, breaks, faults, journeys, sessions."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 def add_to(app: typer.Typer) -> None:
     """Add the commands to `topomap bench`, which bench_commands adds to the program."""
-    for command in (kidnapped, breaks, faults, journeys):
+    for command in (kidnapped, breaks, faults, journeys, sessions):
         benches.command()(command)
 
 
@@ -143,3 +143,38 @@ def journeys(
     if keep is not None:
         add_results(keep, KEPT, kept_rows(made), keys=7)
     console.print(str(bench.write(made, out)), soft_wrap=True)
+
+
+def sessions(
+    worlds: str = typer.Option("hall", help="Worlds by name or file, comma-separated; their routes are rings."),
+    seeds: str = typer.Option("0", help="Seeds of the drives, e.g. 0-4."),
+    laps: int = typer.Option(10, min=0, help="Laps on known ground, each a drive of its own; 0: merges alone."),
+    settings: list[str] = typer.Option([], "--set", metavar="KEY=VALUE", help="Setting; may repeat."),
+    jobs: int | None = typer.Option(None, min=1, help="Processes [all cores]."),
+    fresh: bool = typer.Option(False, "--fresh", help="Measure anew what is known already."),
+    keep: Path | None = KEEP,
+) -> None:
+    """Merge two drives that overlap by half, beside one long drive; go on with a map lap after lap, pruned each time.
+
+    --keep FILE.csv holds the merges, FILE-growth.csv beside it the laps.
+    """
+    from topomap.app import session_bench as bench
+    from topomap.app.words import cores, parse_seeds
+    from topomap.bench.pool import Store, default_folder
+    from topomap.bench.sessions import GROWTH_HEAD, MERGE_HEAD, growth_row, merge_row
+    from topomap.experiments.results import add_results
+
+    tasks = bench.plan(worlds, parse_seeds(seeds), laps, settings)
+    store = Store(None if fresh else default_folder())
+    with progress("sessions", len(tasks)) as advance:
+        merges, growths = bench.run_sessions(tasks, store, jobs or cores(), advance)
+    beside = keep and keep.with_stem(f"{keep.stem}-growth")
+    tables = (
+        (keep, "merged", MERGE_HEAD, [merge_row(one) for one in merges]),
+        (beside, "growth", GROWTH_HEAD, [growth_row(one) for one in growths]),
+    )
+    for file, title, head, rows in tables:
+        if rows:
+            table(title, head, rows)
+            if file is not None:
+                add_results(file, head, rows, keys=3)
