@@ -49,6 +49,7 @@ LESS = {
     "topomap bench homing --grid": ["--methods", "alv", "--jobs", "1"],
     "topomap bench looks": ["--jobs", "1"],
     "topomap bench recording": ["--jobs", "1"],
+    "topomap bench sessions": ["--laps", "0", "--jobs", "1"],
     "topomap bench spacing": ["--apart", "0.5", "--seeds", "0", "--jobs", "1"],
     "topomap bench drive": ["--draws", "1", "--jobs", "1"],
 }
