@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import cast
 
 import numpy as np
@@ -69,3 +70,23 @@ def test_what_is_usual_elsewhere_is_learnt_from_two_other_places() -> None:
     assert Appearance(aligner).elsewhere(view, winner, rivals, *args) == pytest.approx(0.7)
     assert aligner.asked == [9, 12]
     assert np.isnan(Appearance(aligner).elsewhere(view, winner, rivals[:1], *args))
+
+
+def test_what_was_compared_before_is_not_compared_again() -> None:
+    aligner = Costs({node: 0.1 * node for node in range(1, 9)})
+    appearance, views = Appearance(aligner), {node: cast(Panorama, np.float64(node)) for node in range(1, 9)}
+    places = [PlaceMatch(node, 0.3, 0.0) for node in range(8, 0, -1)]
+    view, other = cast(Panorama, np.float64(0)), cast(Panorama, np.float64(0))
+    apart = (lambda a, b: float(abs(a - b)),)
+    plain = Appearance(Costs(aligner.costs)).compare(view, places, [], views.__getitem__, *apart)
+    for _ in range(2):
+        appearance.look_ahead(view, places, views.__getitem__)
+        assert aligner.asked == [8, 7, 6, 5]
+    assert appearance.compare(view, places, [], views.__getitem__, *apart) == plain
+    assert aligner.asked == [8, 7, 6, 5, 4, 3, 2, 1], "each once"
+    views[8] = cast(Panorama, np.float64(8))  # taken for another view since
+    turned = [replace(place, rotation=0.5) if place.node == 7 else place for place in places]
+    appearance.compare(view, turned, [], views.__getitem__, *apart)
+    assert aligner.asked[8:] == [8, 7, 4, 3, 2, 1]
+    appearance.compare(other, places, [], views.__getitem__, *apart)
+    assert aligner.asked[14:] == [8, 7, 6, 5, 4, 3, 2, 1], "of another view nothing is known"

@@ -15,6 +15,7 @@ from topomap.core.records import StepRecord, Verdict
 from topomap.mapping.mapper import Mapper
 from topomap.mapping.places import view_cache
 from topomap.mapping.places.small_view import view_of
+from topomap.vision.compass.min_warping_compass import MinWarpingCompass
 
 
 def drive(steps: int, *settings: str, seed: int = 3) -> tuple[Mapper, list[StepRecord], np.ndarray]:
@@ -97,6 +98,28 @@ def test_views_that_a_proposal_may_ask_for_are_decoded_before_it_comes(monkeypat
         (judged if looked else waiting).append(len(decoded) - before)
     assert sum(judged) < sum(waiting)
     assert max(waiting) <= 2
+
+
+def test_a_part_of_what_a_proposal_compares_is_compared_in_the_step_before(monkeypatch: pytest.MonkeyPatch) -> None:
+    """All at once it made such steps the longest of a drive."""
+    compared, align = [], MinWarpingCompass.align
+    monkeypatch.setattr(MinWarpingCompass, "align", lambda *asked: compared.append(1) or align(*asked))
+    config = load_config(None, ())
+    robot, navigator = SimRobot(worlds.load("room-corridor"), config.sim, 3), build_navigator(config.stack)
+    judged = []
+    for _ in range(260):
+        reading = robot.sense()
+        assert reading is not None
+        before, nodes = len(compared), len(navigator.mapper.map.nodes)
+        command, record = navigator.step(reading)
+        robot.act(command)
+        snapshot = any(added.node >= nodes and added.snapshot for added in record.change.added)
+        looked = [d for d in record.change.decisions if d.candidate.evidence.cost is not None]
+        judged += [len(compared) - before - snapshot] if looked else []
+    assert len(judged) > 10
+    assert np.median(judged) <= 2  # of 5
+    assert max(judged) <= 4
+    assert len(compared) < 70, "nearly all that is compared beforehand is asked for: 58 without"
 
 
 def test_the_calibration_is_found(second_round: tuple[Mapper, list[StepRecord], np.ndarray]) -> None:

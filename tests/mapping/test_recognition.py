@@ -114,6 +114,7 @@ def test_the_last_moments_of_a_drive_are_examined_when_it_ends(
 def test_a_pass_is_proposed_where_the_place_is_most_alike() -> None:
     """The view comes nearer to a place's own and leaves it again, all the while more alike than places usually are."""
     recognition, several = Recognition(RecognitionSettings()), views(0.9, 21)
+    imminent = []
     for k, view in enumerate(several[:20]):
         recognition.update(k, float(k), view, np.zeros(0, np.int64))
         recognition.add(k, float(k), view)
@@ -124,7 +125,10 @@ def test_a_pass_is_proposed_where_the_place_is_most_alike() -> None:
         recognition.update(100 + step, 25.0 + 0.12 * step, seen, np.arange(10))
         proposal = recognition.proposal()
         found += [] if proposal is None else [(proposal.moment.stamp_ns, proposal.places[0].node)]
+        near = None if found else recognition.imminent()
+        imminent += [] if near is None else [near.stamp_ns]
     assert found == [(100, 5)]
+    assert imminent == [100], "one step before, and no moment on the way there"
 
 
 def test_a_rival_was_left_about_as_long_ago_as_the_place_it_is_held_against() -> None:

@@ -308,7 +308,7 @@ class Mapper:
             return place, self._closing.judge(stamp_ns, None)
         proposal = self.recognition.proposal()
         if proposal is None:
-            self._closing.prepare(self.recognition.awaited())
+            self._closing.prepare(self.recognition.imminent(), self.recognition.awaited())
         return place, self._closing.judge(stamp_ns, proposal)
 
     def _correct(self, stamp_ns: int) -> tuple[bool, list[Decision]]:

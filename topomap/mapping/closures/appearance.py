@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -17,6 +17,8 @@ RIVAL_DISTANCE = 1.5
 APART = 2.5
 """... or so many catchments, where that is more: nearer, views are alike because they show the same."""
 
+AHEAD = 4
+"""Places compared a step before they are asked for: half of the most that a proposal has."""
 FEW = 2
 """Rivals that are compared only to learn what places elsewhere cost: each takes as long as a place within reach."""
 
@@ -41,11 +43,25 @@ class Outcome:
     alike: tuple[Look, ...] = ()
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Ahead:
+    """What was compared of a view before it was asked for: the place's view and the look, by node."""
+
+    view: Panorama | None = None
+    looks: dict[int, tuple[Panorama, Look]] = field(default_factory=dict)
+
+    def of(self, view: Panorama, place: PlaceMatch, goal: Panorama) -> Look | None:
+        """Return the look at a place, None where these weren't the views that were compared."""
+        then, look = self.looks.get(place.node, (None, None)) if view is self.view else (None, None)
+        return look if then is goal and look is not None and look.match == place else None
+
+
 class Appearance:
     """Ranks places by alignment cost (min-warping by default)."""
 
     def __init__(self, aligner: Aligner) -> None:
         self._aligner = aligner
+        self._ahead = _Ahead()
 
     def compare(
         self,
@@ -63,7 +79,8 @@ class Appearance:
         far = apart(catchment)
 
         def look(place: PlaceMatch) -> Look:
-            return Look(place, self._aligner.align(view, panorama(place.node), place.rotation))
+            goal = panorama(place.node)
+            return self._ahead.of(view, place, goal) or self._look(view, place, goal)
 
         looks = sorted(map(look, places), key=_cost)
         for rival in rivals:
@@ -71,6 +88,16 @@ class Appearance:
             if _outcome(looks, distance, far).ratio > MOST_TOGETHER:
                 break
         return _outcome(looks, distance, far)
+
+    def look_ahead(self, view: Panorama, places: Sequence[PlaceMatch], panorama: Callable[[int], Panorama]) -> None:
+        """Compare with the first places in the step before `compare` will ask for them, which then takes less time."""
+        if view is self._ahead.view:
+            return
+        goals = [(place, panorama(place.node)) for place in places[:AHEAD]]
+        self._ahead = _Ahead(view, {p.node: (goal, self._look(view, p, goal)) for p, goal in goals})
+
+    def _look(self, view: Panorama, place: PlaceMatch, goal: Panorama) -> Look:
+        return Look(place, self._aligner.align(view, goal, place.rotation))
 
     def prepare(self, view: Panorama) -> None:
         """Do beforehand what comparisons ask of a place's view, where the aligner can."""

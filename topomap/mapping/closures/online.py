@@ -28,7 +28,7 @@ from topomap.mapping.optimisation import Optimisation
 from topomap.mapping.optimizer.problem import ClosureEdge
 from topomap.mapping.places.catchment import Catchment
 from topomap.mapping.places.contrast import Contrast
-from topomap.mapping.places.recognition import Proposal
+from topomap.mapping.places.recognition import Moment, Proposal
 from topomap.mapping.places.view_cache import ViewCache
 from topomap.mapping.track import Track
 from topomap.mapping.uncertainty.reachability import Reachability
@@ -101,9 +101,12 @@ class Closing:
         reason = "seen by a robot that took itself for elsewhere"
         self._unsaid += self._optimisation.disbelieve(stamp_ns, self._engine.ledger, behind, reason)
 
-    def prepare(self, awaited: Iterable[int]) -> None:
-        """Do a part of what judging a proposal of some nodes takes before it comes: as much as fits in a step."""
-        self._sight.prepare(awaited)
+    def prepare(self, imminent: Moment | None, awaited: Iterable[int]) -> None:
+        """Do a part of what judging takes before a proposal comes, as much as fits in a step.
+
+        imminent: the moment that is proposed next, if one is; awaited: nodes that one may name soon.
+        """
+        self._sight.prepare(imminent, awaited)
 
     def judge(self, stamp_ns: int, proposal: Proposal | None) -> tuple[Decision, ...]:
         """Return the verdicts of this step, on a proposal and on what waited for it; all are kept in the ledger."""

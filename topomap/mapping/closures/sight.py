@@ -18,7 +18,7 @@ from topomap.mapping.closures.looks import LogRatio, UsualCost
 from topomap.mapping.closures.seen import Seen
 from topomap.mapping.places.catchment import Catchment
 from topomap.mapping.places.contrast import Contrast
-from topomap.mapping.places.recognition import Proposal
+from topomap.mapping.places.recognition import SHORTLIST, Moment, Proposal
 from topomap.mapping.places.view_cache import ViewCache
 from topomap.mapping.track import Track
 from topomap.vision.contracts import Aligner
@@ -73,8 +73,12 @@ class Sight:
         """Learn what a place costs that was seen again."""
         self._usual.learn(winner.alignment.residual)
 
-    def prepare(self, awaited: Iterable[int]) -> None:
-        """Decode the first view that isn't at hand of the places that a proposal may be compared with soon."""
+    def prepare(self, imminent: Moment | None, awaited: Iterable[int]) -> None:
+        """Compare a part of the places of a moment that is proposed next, or else decode the first view that isn't at
+        hand of the places that a proposal may be compared with soon."""
+        if imminent is not None:
+            self._appearance.look_ahead(imminent.panorama, imminent.places[:SHORTLIST], self._view_cache.panorama)
+            return
         node = next((node for node in awaited if node not in self._view_cache), None)
         if node is not None:
             self._appearance.prepare(self._view_cache.panorama(node))

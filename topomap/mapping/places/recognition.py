@@ -230,6 +230,12 @@ class Recognition:
                 )
         return None
 
+    def imminent(self) -> Moment | None:
+        """Return the moment that is proposed next unless a view comes that is more like its place; None for none."""
+        place = len(self._recent) - (self._count - self._examined)
+        after = len(self._recent) - 1 - place
+        return self._recent[place] if after >= LAG - 1 and self._is_proposed(place) else None
+
     def awaited(self) -> list[int]:
         """Return the nodes that a proposal of the last moment would name, the likeliest first; none if it can't be."""
         last = self._recent[-1] if self._recent else None
