@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
@@ -10,10 +12,11 @@ from kept import as_before
 
 from topomap.core.geometry import Pose2
 from topomap.core.panorama import Panorama
-from topomap.core.records import Command, Phase, Travel
+from topomap.core.records import Alignment, Command, HomeVector, Phase, Travel
 from topomap.experiments.pillars import Pillar, Room, painted
 from topomap.navigation.manoeuvres.hall_course import HallCourse, HallSettings
 from topomap.navigation.pilot import Pilot, PilotSettings
+from topomap.vision.aligned_homing import AlignedHoming
 from topomap.vision.registry import aligned_homing
 
 DT = 0.25
@@ -103,3 +106,56 @@ def test_another_method_ends_the_same_course() -> None:
     other.true, other.read = ride.true, ride.read
     assert other.go().phase in (Phase.ARRIVED, Phase.FAILED)
     assert len(ride.course.differences) == seen, "the course stays as it was"
+
+
+class Leads:
+    """A method that leads to a spot (x, y) [m] and says at last that home lies `aside` [rad] of the nose."""
+
+    policy: object = None
+
+    def __init__(self, ride: Ride, to: tuple[float, float], aside: float | None = None) -> None:
+        self.ride, self.to, self.aside = ride, to, aside
+
+    def align(self, panorama: Panorama, home: Panorama, rotation: float | None) -> Alignment:
+        here = self.ride.true
+        there = math.dist((here.x, here.y), self.to) < 0.06
+        bearing = self.aside if there and self.aside else here.bearing_to(Pose2(*self.to, 0.0))
+        return Alignment(rotation=here.heading, residual=0.1, home=HomeVector(bearing, None, 1.0))
+
+
+class Wanders(Leads):
+    """A policy that goes by home, 0.12 m off, and stays half a metre behind it."""
+
+    policy = SimpleNamespace(start=lambda goal: 0)
+
+    def move(self, state: int, panorama: Panorama, rotation: float) -> tuple[int, HomeVector]:
+        here, to = self.ride.true, Pose2(*[(0.3, 0.12), (0.0, 0.12), (-0.5, 0.12)][min(state, 2)], 0.0)
+        way = min(here.distance(to), 0.3)
+        return state + (way < 0.3), HomeVector(here.bearing_to(to), way, 1.0)
+
+
+def led(kind: type[Leads], to: tuple[float, float] = (0.0, 0.0), aside: float | None = None) -> tuple[Travel, float]:
+    """Return how a mission ends that a method leads, and how far from home [m]."""
+    ride = Ride(course())
+    while ride.course.homing_from is None:
+        command, _ = ride.course.step(ride.view(), ride.read, ride.read)
+        ride.true, ride.read = moved(ride.true, command), moved(ride.read, command)
+    ride.course = ride.course.homing_by(cast(AlignedHoming, kind(ride, to, aside)))
+    return ride.go(), math.hypot(ride.true.x, ride.true.y)
+
+
+def test_beside_home_it_has_not_arrived() -> None:
+    for to in ((0.05, 0.45), (0.4, -0.35), (0.0, 0.4)):
+        travel, off = led(Leads, to)
+        assert travel.phase is Phase.FAILED, (to, off)
+
+
+def test_who_was_near_home_and_stands_elsewhere_has_not_arrived() -> None:
+    travel, off = led(Wanders)
+    assert travel.phase is Phase.FAILED or off < 0.3, off
+
+
+def test_at_home_it_has_arrived_wherever_the_home_vector_points() -> None:
+    travel, off = led(Leads, aside=2.5)
+    assert travel.phase is Phase.ARRIVED
+    assert off < 0.12
