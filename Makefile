@@ -49,6 +49,7 @@ results: $(VENV)/.test ## the figures of docs/results, docs/THESIS.md and docs/R
 	$(BIN)/topomap bench loop-rule $$(find runs/loop -name run.mcap | sort) $(KEEP)/loop-rule.csv
 	$(BIN)/topomap bench spacing $(KEEP)/spacing.csv
 	$(BIN)/topomap bench study all --seeds 0-1 --every 8 $(KEEP)/studies.csv
+	$(BIN)/topomap bench study hall-mission --seeds 0-9 $(KEEP)/studies.csv
 	$(BIN)/topomap bench mission
 	for d in $(DRIVES); do $(BIN)/topomap bench drive $$d --draws 3 --scale 1 --scale 3 --scale 10 \
 		--every 1 --every 2 --every 4 $(KEEP)/drives.csv || exit 1; done
