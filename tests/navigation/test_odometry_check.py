@@ -88,6 +88,33 @@ def test_turns_that_no_view_shows_are_the_views() -> None:
     assert "its turns can't be" in check.amiss
 
 
+def amid_people(reading: SimReading, step: int, share: float) -> SimReading:
+    """A view of which people who walk past, 12 degrees a step, hide a share."""
+    image = reading.image.copy()
+    rows, columns, _ = image.shape
+    coarse = np.random.default_rng(5).integers(0, 256, (rows // 10, columns // 20, 3), dtype=np.uint8)
+    people = np.repeat(np.repeat(coarse, 10, axis=0), 20, axis=1)[:, : round(share * columns)]
+    at = (np.arange(people.shape[1]) + step * columns // 30) % columns
+    image[: people.shape[0], at] = people
+    return replace(reading, image=image)
+
+
+@pytest.mark.parametrize("share", [0.2, 0.27, 0.3])
+def test_people_who_hide_a_third_of_the_view_say_nothing_against_the_odometer(share: float) -> None:
+    """The turn that they show explains the whole view little better than the odometer's."""
+    out, check = checked([amid_people(reading, k, share) for k, reading in enumerate(READINGS)])
+    assert not any(isinstance(reading, Restated) for reading in out)
+    assert check.amiss == ""
+
+
+def test_turns_that_no_view_shows_are_found_though_people_hide_a_third_of_it() -> None:
+    rng = np.random.default_rng(0)
+    noisy = [moved(amid_people(reading, k, 0.3), turn=reading.motion.turn + rng.normal(0.0, 0.3))
+             for k, reading in enumerate(READINGS)]  # fmt: skip
+    _, check = checked(noisy)
+    assert "its turns can't be" in check.amiss
+
+
 def test_ways_that_no_wheels_can_make_are_the_commands() -> None:
     rng = np.random.default_rng(1)
     noisy = [moved(reading, forward=reading.motion.forward + rng.normal(0.0, 0.1)) for reading in READINGS]

@@ -17,11 +17,15 @@ from topomap.core.records import Command, Motion
 from topomap.core.robot import MotionReading, Reading, RigReading
 from topomap.mapping.odometry.increments import Calibration
 from topomap.navigation.manoeuvres.back_off import SPEED
+from topomap.vision.image.aligned_difference import aligned_difference
 from topomap.vision.image.compare import rotation_within, signature
 
 TURN_OFF = 0.1
 """[rad] A turn this far from the one between two views isn't true: undisturbed they agree to 2.5 degrees, and to 5
 where people pass, in three worlds."""
+LESS_ALIKE = 1.5
+"""... if two views are so many times less alike at the odometer's turn than at the one between them: 0.9 to 1.1 where
+people hide much of them (20 steps of three worlds), 2.1 or more where the odometer's turn is off (180 steps of two)."""
 MORE, BEYOND = 1.5, 0.02
 """An odometer can't count this many times the fastest way (and [m] more), ahead or back; less than told it can: wheels
 take time and are blocked, and in a replay the commands aren't those that were driven by."""
@@ -108,18 +112,18 @@ class OdometryCheck:
         difference, seen = _turned(panorama, before, told.turn * reading.motion.dt)
         moved = difference > SEEN_MOVE or abs(seen) > SEEN_TURN
         way = told.forward * reading.motion.dt
-        self._judge(reading.motion, seen, moved, told)
+        counts = bool(reading.motion.forward != 0.0 or reading.motion.turn != 0.0)
+        self._bad_turns.append(counts and _is_off(float(reading.motion.turn), seen, panorama, before))
+        self._judge(reading.motion, counts, moved, told)
         if not (self.dead or self.turns or self.ways):
             return reading
         return Restated(reading, self._instead(reading.motion, way if moved else 0.0, seen, calibration))
 
-    def _judge(self, motion: MotionReading, seen: float, moved: bool, told: Command) -> None:
-        still = bool(motion.forward == 0.0 and motion.turn == 0.0)
-        if not still:
+    def _judge(self, motion: MotionReading, counts: bool, moved: bool, told: Command) -> None:
+        if counts:
             self.dead = False
         elif moved and told != Command():
             self.dead = True
-        self._bad_turns.append(bool(not still and abs(wrap(float(motion.turn) - seen)) > TURN_OFF))
         ahead, back = (MORE * speed * motion.dt + BEYOND for speed in (self._fastest, SPEED))
         untrue = motion.forward > ahead or motion.forward < -back
         self._bad_ways.append(bool(untrue))
@@ -148,6 +152,13 @@ def _turned(now: Panorama, before: Panorama, told: float) -> tuple[float, float]
     here: the map notices it.
     """
     return rotation_within(signature(now), signature(before), told / 2, abs(told) / 2 + TURN_BEYOND)
+
+
+def _is_off(read: float, seen: float, now: Panorama, before: Panorama) -> bool:
+    """Return whether a turn [rad] that was read is another one than the one seen, and the views speak against it."""
+    if abs(wrap(read - seen)) <= TURN_OFF:
+        return False
+    return aligned_difference(now, before, read) > LESS_ALIKE * aligned_difference(now, before, seen)
 
 
 def _untrue(bad: deque[bool], already: bool) -> bool:
