@@ -20,7 +20,7 @@ from topomap.mapping.optimisation import KEPT_SIGMAS
 from topomap.mapping.optimizer import OdometryEdge, OdometryEdges, TurnEdge
 from topomap.mapping.optimizer.problem import ClosureEdge
 from topomap.mapping.pose_graph import gap_covariance
-from topomap.mapping.sessions.cross_claims import CrossClaims
+from topomap.mapping.sessions.cross_claims import CrossClaims, Seen
 
 FAR = 100.0
 """[m] Way set between the drives: all of the first map counts as left long ago."""
@@ -49,23 +49,33 @@ def merge(first: TopoMap, second: TopoMap, claims: CrossClaims, told: Told) -> M
     """
     if first.view != second.view:
         raise TopomapError(f"one map holds {first.view} views, the other {second.view}: make one of one kind")
-    seen = claims.between(first, second, lambda share: told(0.5 * share, "places seen in both"))
+    seen = claims.between(first, second, lambda share: told(0.3 * share, "places seen in both"))
     joined, offset = _joined(first, second)
     count = len(first.nodes)
     own = [*first.closures, *(replace(c, i=c.i + count, j=c.j + count) for c in second.closures)]
-    claimed = [(ClosureEdge(s.i, s.j + count, s.relative, s.covariance), s.looks) for s in seen]
-    judged, edges = _judged(
-        joined, [*((edge, 0.0) for edge in own), *claimed], lambda share, what: told(0.5 + 0.5 * share, what)
-    )
-    stand = [edge for edge, inlier in zip(edges, judged.inlier.tolist(), strict=True) if inlier]
-    across = sum((edge.i < count) != (edge.j < count) for edge in stand)
-    if across < FEWEST:
+    at = [replace(one, j=one.j + count) for one in seen]
+    judged, edges = _judged(joined, own, at, lambda share, what: told(0.3 + 0.3 * share, what))
+    stand = _across(judged, edges, count)
+    if len(stand) >= FEWEST:
+        _lay(joined, judged)
+        standing = [one for one in at if (one.i, one.j) in stand]
+        at = claims.near(joined, count, standing, lambda share: told(0.6 + 0.1 * share, "places beside one another"))
+        judged, edges = _judged(joined, own, at, lambda share, what: told(0.7 + 0.3 * share, what))
+        stand = _across(judged, edges, count)
+    if len(stand) < FEWEST:
         raise TopomapError(
-            f"the maps share no ground that is sure: {across} of {len(seen)} closures between them are likely, "
+            f"the maps share no ground that is sure: {len(stand)} of {len(at)} closures between them are likely, "
             f"{FEWEST} are needed"
         )
     _settle(joined, judged, edges)
-    return Merged(joined, offset, len(seen), across, len(own) + across - len(stand))
+    kept = int(judged.inlier.sum()) - len(stand)
+    return Merged(joined, offset, len(at), len(stand), len(own) - kept)
+
+
+def _across(judged: Judgement, edges: list[ClosureEdge], count: int) -> set[tuple[int, int]]:
+    """Return the nodes that closures join which stand between the maps, the first one's before."""
+    stand = (edge for edge, inlier in zip(edges, judged.inlier.tolist(), strict=True) if inlier)
+    return {(edge.i, edge.j) for edge in stand if (edge.i < count) != (edge.j < count)}
 
 
 def _joined(first: TopoMap, second: TopoMap) -> tuple[TopoMap, int]:
@@ -121,12 +131,13 @@ def _read_as(increments: Increments, theirs: Calibration, ours: Calibration, lat
 
 
 def _judged(
-    joined: TopoMap, claimed: list[tuple[ClosureEdge, float]], told: Told
+    joined: TopoMap, own: list[ClosureEdge], seen: list[Seen], told: Told
 ) -> tuple[Judgement, list[ClosureEdge]]:
-    """Return what the engine makes of closures, within the maps and between them, and these in its order.
-
-    claimed: each with what looks say of it.
-    """
+    """Return what the engine makes of closures, within the maps and between them, and these in its order."""
+    claimed = [
+        *((edge, 0.0) for edge in own),
+        *((ClosureEdge(s.i, s.j, s.relative, s.covariance), s.looks) for s in seen),
+    ]
     place = np.empty(len(joined.chain), np.int64)
     place[joined.chain] = np.arange(len(joined.chain))
     ordered = sorted(claimed, key=lambda one: (_ends(one[0], place), one[1]))
@@ -169,6 +180,10 @@ def _settle(joined: TopoMap, judged: Judgement, edges: list[ClosureEdge]) -> Non
     for edge, inlier in zip(edges, judged.inlier.tolist(), strict=True):
         if inlier:
             joined.close(edge)
+    _lay(joined, judged)
+
+
+def _lay(joined: TopoMap, judged: Judgement) -> None:
     poses = np.empty_like(joined.poses)
     poses[joined.chain] = judged.state.poses
     joined.move(poses, judged.state.calibration)
