@@ -21,6 +21,7 @@ from topomap.core.records import Alignment, Command, Goal, HomeVector, Motion, P
 from topomap.core.rig import Rig
 from topomap.mapping.odometry.increments import Calibration
 from topomap.navigation import odometry_check, sense_check
+from topomap.navigation.arrival import Arrival
 from topomap.navigation.manoeuvres import active_check
 from topomap.navigation.manoeuvres.active_check import ActiveCheck, ActiveSettings, _Approach, _goals
 from topomap.navigation.manoeuvres.back_off import FORGET, BackOff
@@ -305,9 +306,12 @@ def test_the_halls_course_at_its_bounds() -> None:
     for way in around(10.0):
         course._way, course._lowest, course._rising = way, 0.1, 1
         rows.append(course._passed(0.9))
-    for low in (0.7 * 0.5 - 1e-9, 0.7 * 0.5):
-        course._seen = [0.5, 0.6, low]
-        rows.append(course._nearer())
+    course._left = [(0.0, 0.0), (0.3, 0.3), (0.1, 0.12)]
+    ahead_, behind = (Alignment(0.0, 0.5, HomeVector(bearing, None, 0.5)) for bearing in (0.2, 2.0))
+    for low, there in itertools.product((*around(0.12), *around(0.21)), (ahead_, behind)):
+        course._arrival = Arrival()
+        course._arrival.update(0.9 * low)  # it has been lower for so long
+        rows += [course._is_home(low, there) for _ in range(7)]
     for bearing in (*around(1.0), -0.9, -1.1):
         rows.append(course._towards(Alignment(0.0, 0.5, HomeVector(bearing, None, 0.5))))
     rows.append(course._towards(Alignment(0.0, 0.5, None)))

@@ -72,6 +72,27 @@ def test_an_arrival_at_its_bounds() -> None:
     assert rows([0.5, 0.6, 0.5 * RISE, 0.6, 0.6]) == [False, False, False, False, True]
 
 
+def test_who_but_turns_passes_nothing() -> None:
+    """Before a goal 0.33 m behind it a robot turned, saw it now more and now less alike, and called it reached."""
+    arrival = Arrival()
+    assert not any(arrival.update(0.42 + 0.02 * (k % 3), moved=False) for k in range(30))
+    assert arrival.update(0.9 * SAME, moved=False), "the place itself is there at once"
+    came = [arrival.update(0.44) for _ in range(7)]
+    assert came[-1], "passed in driving it counts as ever"
+    moved, sight = [], Sight(9, 9, TellingViews().view(0.0, 0.0, 0.0), 0.0)
+    for x, turn in ((0.0, 0.0), (0.0, 0.3), (0.015, 0.6), (0.03, 0.9), (0.03, 1.2), (0.06, 1.2)):
+        moved.append(sight.has_moved(Pose2(x, 0.0, turn)))
+    assert moved == [True, False, False, True, False, True]
+    for place, off, counts in ((9, 0.4, False), (9, homeward.PASSED - 1e-9, True), (4, 0.4, True)):
+        goal = THE_MAP.pose(place)
+        sensed, made = now(0.0, goal @ Pose2(off, 0.0, 1.0)), j_at(4.5 if place == 9 else 2.0)
+        sight = Sight(place, place, sensed.senses.panorama, 0.0)
+        made.sight, made.last = sight, place - 1
+        assert sight.has_moved(sensed.mapper.track.raw)
+        made.sight = sight
+        assert Homeward._counts(made, sight, sensed) is counts, (place, off)
+
+
 def test_what_is_doubted_at_its_bounds() -> None:
     goal, found = Pose2(1.0, 0.0, 0.0), []
     for lost, x, weight, away, turned in itertools.product(

@@ -30,14 +30,18 @@ class Arrival:
         self._rising = 0
         self.since_minimum = 0
 
-    def update(self, difference: float) -> bool:
-        """Take the difference of this step; return whether the milestone is reached."""
+    def update(self, difference: float, moved: bool = True) -> bool:
+        """Take the difference of this step; return whether the milestone is reached.
+
+        moved: the robot has come on since the last step; where it hasn't, nothing can be passed.
+        """
         if difference < self._minimum:
             self._minimum, self.since_minimum = difference, 0
-        else:
+        elif moved:
             self.since_minimum += 1
-        rising = difference > RISE * self._minimum
-        self._rising = self._rising + 1 if rising else 0
+        if moved:
+            rising = difference > RISE * self._minimum
+            self._rising = self._rising + 1 if rising else 0
         over = self._rising >= self._rise_steps or self.since_minimum >= self._rest_steps
         return difference < SAME or (over and self._minimum < MINIMUM_BELOW)
 

@@ -72,7 +72,7 @@ class Homeward:
         unsure = now.where.lost >= UNSURE
         if not unsure:
             sight.expect(wrap(now.where.pose.heading - now.mapper.map.pose(sight.node).heading))
-        look = sight.look(now.senses.panorama, self._homing, unsure)
+        look = sight.look(now.senses.panorama, self._homing, unsure, self._counts(j, sight, now))
         travel = replace(travel, home=look.home, difference=look.difference)
         if j.last_leg:
             j.sought += j.course.left < DOCK
@@ -90,6 +90,13 @@ class Homeward:
         aims = self._aims(j, now, bearing)
         command = self._pilot.steer(bearing, now.ranges, speed, aims)
         return command, replace(travel, home=replace(look.home, bearing=bearing))
+
+    @staticmethod
+    def _counts(j: Journey, sight: Sight, now: Now) -> bool:
+        """Return whether a look can tell that the milestone is passed: the goal isn't by who turns on the spot and is
+        believed not to be there yet."""
+        moved = sight.has_moved(now.mapper.track.raw)
+        return moved or not j.last_leg or now.where.pose.distance(now.mapper.map.pose(sight.node)) < PASSED
 
     def _aims(self, j: Journey, now: Now, bearing: float) -> list[tuple[float, float]]:
         """Return points of the course ahead in the robot's frame, turned as the bearing is against the first's."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from topomap.core.geometry import TAU, wrap, wrap_all
+from topomap.core.geometry import TAU, Pose2, wrap, wrap_all
 from topomap.core.panorama import Panorama
 from topomap.core.records import Alignment, HomeVector
 from topomap.navigation.arrival import Arrival
@@ -25,6 +25,9 @@ has 0.9 and more, and from a metre off both ways are as unlike."""
 SEEN = 0.8
 """Difference below which a milestone was seen in passing: 0.42 to 0.87 at 0.3 m over 75 places of three worlds, 0.75 to
 1.6 from 1 m on."""
+
+STANDING = 0.02
+"""[m] Way below which a robot has but turned: a step near the goal is 5 cm."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,6 +58,7 @@ class Sight:
         self.arrival = arrival or Arrival()
         self.least = float("inf")
         self.looks = 0
+        self._looked_from: Pose2 | None = None
 
     @property
     def seen(self) -> bool:
@@ -66,8 +70,19 @@ class Sight:
         if abs(wrap(self.rotation - rotation)) > NEAR_TURN:
             self.rotation = rotation
 
-    def look(self, panorama: Panorama, homing: AlignedHoming, wide: bool = True) -> Look:
-        """Return what is seen of the milestone now; wide: any rotation is looked at, not those near the tracked one."""
+    def has_moved(self, here: Pose2) -> bool:
+        """Return whether the robot, by odometry at `here`, has come on since it last had, and not but turned."""
+        moved = self._looked_from is None or here.distance(self._looked_from) > STANDING
+        if moved:
+            self._looked_from = here
+        return moved
+
+    def look(self, panorama: Panorama, homing: AlignedHoming, wide: bool = True, moved: bool = True) -> Look:
+        """Return what is seen of the milestone now.
+
+        wide: any rotation is looked at, not those near the tracked one; moved: the robot has come on since the last
+        look.
+        """
         self.looks += 1
         found = homing.align(panorama, self.view, self.rotation)
         difference = aligned_difference(panorama, self.view, found.rotation)
@@ -78,13 +93,13 @@ class Sight:
             less = aligned_difference(panorama, self.view, other.rotation)
             if less < min(KNOWN, difference):
                 found, difference, turned = other, less, True
-        return self._told(found, difference, turned)
+        return self._told(found, difference, turned, moved)
 
-    def _told(self, found: Alignment, difference: float, turned: bool) -> Look:
+    def _told(self, found: Alignment, difference: float, turned: bool, moved: bool) -> Look:
         self.rotation = found.rotation
         self.least = min(self.least, difference)
         home = found.home or HomeVector(0.0, None, 0.0)
-        return Look(home, difference, found.rotation, self.arrival.update(difference), turned)
+        return Look(home, difference, found.rotation, self.arrival.update(difference, moved), turned)
 
     def _elsewhere(self, panorama: Panorama, rotation: float) -> float | None:
         """Return a rotation far from the tracked one at which the views are clearly more alike, if there is one."""
