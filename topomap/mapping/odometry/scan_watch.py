@@ -168,15 +168,23 @@ class Shown:
     off: float = WAY_OFF
 
 
-def ranges_confirm(before: Panorama, now: Panorama, read: Pose2) -> bool:
-    """Return whether ranges show, in both directions, the step that the odometry reads."""
+def ranges_confirm(before: Panorama, now: Panorama, read: Pose2, share: float = 0.0) -> bool:
+    """Return whether ranges show, in both directions, the step that the odometry reads; share: of rays, at least."""
     if before.ranges is None or now.ranges is None or np.array_equal(before.ranges, now.ranges, equal_nan=True):
         return False
     shown = _match(before.ranges, now.ranges, read)
-    if shown is None or len(shown.told) < 2:
+    if shown is None or len(shown.told) < 2 or shown.share < share:
         return False
     off = read.to(shown.pose)
     return math.hypot(off.x, off.y) <= WAY_OFF and abs(off.heading) <= TURN_OFF
+
+
+def share_of(before: Panorama, now: Panorama, read: Pose2) -> float:
+    """Return the share of rays that show the step that the odometry reads, 0 where too few do."""
+    if before.ranges is None or now.ranges is None:
+        return 0.0
+    shown = _match(before.ranges, now.ranges, read)
+    return 0.0 if shown is None else shown.share
 
 
 def _match(before: Float32Array, now: Float32Array, guess: Pose2) -> Shown | None:
