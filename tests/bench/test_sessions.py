@@ -10,7 +10,7 @@ import pytest
 from maps import RIG, increments
 from typer.testing import CliRunner
 
-from topomap.app.session_bench import MergeTask, plan
+from topomap.app.session_bench import Driven, MergeTask, _pruned, plan
 from topomap.bench.sessions import Growth, MapFigures, figures, growth_row
 from topomap.cli.main import app
 from topomap.core.encoded import encode
@@ -64,6 +64,14 @@ def test_growth_is_what_a_lap_adds_on_average() -> None:
     one = Growth("den", 0, (), (100, 101, 104), (1000, 1000, 1010), MapFigures(104, 9, 0, 50, 0.9, 0.02))
     assert one.by_nodes == pytest.approx(0.02)
     assert growth_row(one)[4:8] == ("100 to 104", "1 to 1", "+2.00 %", "+0.50 %")
+
+
+def test_a_number_that_went_has_no_true_place_any_more(tmp_path: Path) -> None:
+    """Another drive's node gets the number, and lies elsewhere."""
+    topo, truths = twice_along({25: 5, 35: 15})
+    left = _pruned(Driven(topo, truths), tmp_path / "a.topomap")
+    assert len(left.map.names) < len(topo.names)
+    assert set(left.truths) == set(left.map.names)
 
 
 def test_two_drives_of_a_room_are_merged_and_a_map_is_gone_on_with(tmp_path: Path) -> None:

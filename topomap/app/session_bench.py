@@ -139,9 +139,10 @@ class GrowthTask:
 
 
 def _pruned(driven: Driven, file: Path) -> Driven:
-    """Return a map without what adds nothing, saved and loaded again."""
+    """Return a map without what adds nothing, saved and loaded again; numbers that went are given to others later."""
     save_map(prune(driven.map).map, file)
-    return replace(driven, map=load_map(file))
+    topo = load_map(file)
+    return replace(driven, map=topo, truths={name: driven.truths[name] for name in topo.names})
 
 
 def plan(worlds: str, seeds: Sequence[int], laps: int, words: Sequence[str]) -> list[MergeTask | GrowthTask]:
