@@ -98,7 +98,9 @@ class LaserConfig(Section):
     scanner: Literal["ring", "urg", "none"] = Field(
         "ring", description="all round at once, two opposite shots of a scanner, or the camera alone"
     )
-    rays: int = Field(720, ge=1, le=7200, description="ranges per turn that are handed over")
+    rays: int | None = Field(
+        None, ge=1, le=7200, description="ranges per turn that are handed over; none: as many as the camera has columns"
+    )
     height: float = Field(0.0, ge=0, le=10, description="only what is at least as high is hit [m]")
     noise: float = Field(0.01, ge=0, le=10, description="range noise, standard deviation [m]")
     max_range: float = Field(10.0, gt=0, le=1000, description="nothing is measured beyond by the ring [m]")

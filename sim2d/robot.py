@@ -67,7 +67,7 @@ class SimRobot:
         self._missing, self._repeated = stream(seed, "missing frames"), stream(seed, "repeated frames")
         self._frame: tuple[NDArray[np.uint8], bytes] | None = None
         blind = config.laser.scanner == "none"
-        self._laser = None if blind else Laser(config.laser, stream(seed, "range noise"))
+        self._laser = None if blind else Laser(config.laser, stream(seed, "range noise"), config.camera.width)
         streams = (stream(seed, name) for name in ("drift", "odometry noise", "slip", "floor and load"))
         self._odometer = Odometer(config.odometer, *streams)
         self._way = Way(config.body.step, (self._body.x, self._body.y, self._body.heading))

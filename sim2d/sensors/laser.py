@@ -22,10 +22,12 @@ class Laser:
     of 0.36 degrees, nose first, which are then merged to as many ranges as asked for.
     """
 
-    def __init__(self, config: LaserConfig, rng: np.random.Generator) -> None:
+    def __init__(self, config: LaserConfig, rng: np.random.Generator, columns: int = 720) -> None:
+        """columns: of the camera beside it, as many as ranges where the configuration leaves that open."""
         self._config = config
         self._rng = rng
-        self._bearings: Ranges = np.arange(config.rays, dtype=np.float64) * (math.tau / config.rays)
+        rays = config.rays or columns
+        self._bearings: Ranges = np.arange(rays, dtype=np.float64) * (math.tau / rays)
         half = int(math.radians(URG_FIELD_DEG) / 2 / math.radians(URG_STEP_DEG) + 1e-9)
         self._shot: Ranges = np.arange(-half, half + 1, dtype=np.float64) * math.radians(URG_STEP_DEG)
         self._range = config.max_range if config.scanner == "ring" else URG_RANGE

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from sim2d import worlds
+from sim2d.robot import SimRobot
 from topomap.app.config import RunConfig, load_config, parse_config
 from topomap.core.errors import ConfigError
 
@@ -87,6 +89,7 @@ def test_a_missing_file_is_named(tmp_path: Path) -> None:
             "sim.kidnaps=[{at_s = 1, x = 0, y = 0, colour = 3}]",
             "unknown key sim.kidnaps.0.colour; known there: along, at_s",
         ),
+        ("sim.laser.rays=180", "sim.laser.rays=180: expected 720, a range for each column (sim.camera.width)"),
         ("sim.camera.light_changes=[{hour = 3, at_s = 1, at_hour = 2}]", "known there: at_lap, at_s, hour"),
         (f"sim.camera.light_changes={'[' * 5000}", "nested too deeply"),
     ],
@@ -105,3 +108,16 @@ def test_a_file_nested_too_deeply_is_one_line(tmp_path: Path) -> None:
     for name, says in (("deep", "nested too deeply"), ("long", "not a TOML file")):
         with pytest.raises(ConfigError, match=says):
             load_config(tmp_path / f"{name}.toml")
+
+
+def test_another_camera_has_as_many_ranges_as_columns() -> None:
+    for words, rays in (
+        (["sim.camera.width=180"], None),
+        (["sim.camera.width=180", "sim.laser.rays=180"], 180),
+        (["sim.laser.rays=90", "sim.laser.scanner=none"], 90),
+    ):
+        config = load_config(None, words)
+        assert config.sim.laser.rays == rays
+        reading = SimRobot(worlds.load("hall"), config.sim, 0).sense()
+        assert reading is not None
+        assert reading.ranges is None or reading.ranges.shape == (reading.rig.width,)

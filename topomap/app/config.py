@@ -6,9 +6,9 @@ import tomllib
 from collections.abc import Iterable, Iterator
 from copy import deepcopy
 from pathlib import Path
-from typing import Any, TypeGuard, get_args
+from typing import Any, Self, TypeGuard, get_args
 
-from pydantic import BaseModel, Field, ValidationError
+from pydantic import BaseModel, Field, ValidationError, model_validator
 
 from logs.config import LogConfig
 from sim2d.config import SimConfig
@@ -42,6 +42,13 @@ class RunConfig(BaseModel, frozen=True, extra="forbid"):
     stack: StackConfig = Field(default_factory=StackConfig)
     sim: SimConfig = Field(default_factory=SimConfig)
     log: LogConfig = Field(default_factory=LogConfig)
+
+    @model_validator(mode="after")
+    def _a_range_for_each_column(self) -> Self:
+        rays, columns = self.sim.laser.rays, self.sim.camera.width
+        if self.sim.laser.scanner != "none" and rays not in (None, columns):
+            raise ValueError(f"sim.laser.rays={rays}: expected {columns}, a range for each column (sim.camera.width)")
+        return self
 
     def resolved(self) -> dict[str, Any]:
         """Return the settings as plain JSON values."""
@@ -134,7 +141,9 @@ def _one_line(error: ValidationError) -> str:
     if first["type"] == "extra_forbidden":
         known = _keys(first["loc"][:-1])
         return f"unknown key {path}" + (f"; known there: {', '.join(known)}" if known else "")
-    return f"{path} = {_short(first['input'])}: {first['msg'][0].lower()}{first['msg'][1:]}"
+    said = f"{first['msg'][0].lower()}{first['msg'][1:]}".removeprefix("value error, ")
+    # what several settings have to do with one another is said by its own words
+    return f"{path} = {_short(first['input'])}: {said}" if path else said
 
 
 def _short(value: object) -> str:
