@@ -57,9 +57,10 @@ def merge(first: TopoMap, second: TopoMap, claims: CrossClaims, told: Told) -> M
     judged, edges = _judged(joined, own, at, lambda share, what: told(0.3 + 0.3 * share, what))
     stand = _across(judged, edges, count)
     if len(stand) >= FEWEST:
-        _lay(joined, judged)
+        laid, _ = _joined(first, second)  # the engine begins again with what odometry alone says
+        _lay(laid, judged)
         standing = [one for one in at if (one.i, one.j) in stand]
-        at = claims.near(joined, count, standing, lambda share: told(0.6 + 0.1 * share, "places beside one another"))
+        at = claims.near(laid, count, standing, lambda share: told(0.6 + 0.1 * share, "places beside one another"))
         judged, edges = _judged(joined, own, at, lambda share, what: told(0.7 + 0.3 * share, what))
         stand = _across(judged, edges, count)
     if len(stand) < FEWEST:
