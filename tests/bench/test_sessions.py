@@ -11,7 +11,7 @@ from maps import RIG, increments
 from typer.testing import CliRunner
 
 from topomap.app.session_bench import Driven, MergeTask, _pruned, plan
-from topomap.bench.sessions import Growth, MapFigures, figures, growth_row
+from topomap.bench.sessions import GROWTH_HEAD, MERGE_HEAD, Growth, MapFigures, figures, growth_row
 from topomap.cli.main import app
 from topomap.core.encoded import encode
 from topomap.core.errors import DataError
@@ -58,6 +58,12 @@ def test_without_another_pass_there_is_no_recall() -> None:
     topo, truths = twice_along({})
     away = {k: (x + 100.0 * (k >= PLACES), y, h) for k, (x, y, h) in truths.items()}
     assert math.isnan(figures(topo, away).recall)
+
+
+def test_no_two_columns_have_one_name() -> None:
+    """Rows that are added later to a kept table are put in its columns by their names."""
+    assert len(set(MERGE_HEAD)) == len(MERGE_HEAD)
+    assert len(set(GROWTH_HEAD)) == len(GROWTH_HEAD)
 
 
 def test_growth_is_what_a_lap_adds_on_average() -> None:
