@@ -106,8 +106,10 @@ def _seen_again(topo: TopoMap, true: FloatArray, travel: FloatArray) -> list[int
     return found
 
 
-MERGE_HEAD = ("world", "seed", "settings", "nodes, long", "nodes, merged", "closures, long", "closures, merged",
-              "false, long", "false, merged", "recall, long", "recall, merged", "ATE long [m]", "ATE merged [m]")  # fmt: skip
+MERGE_HEAD = (
+    "world", "seed", "settings", "nodes, long", "nodes, merged", "closures, long", "closures, merged", "false, long",
+    "false, merged", "recall, long", "recall, merged", "ATE long [m]", "ATE merged [m]",
+)  # fmt: skip
 GROWTH_HEAD = ("world", "seed", "settings", "laps", "nodes", "kB", "nodes a lap", "bytes a lap", "closures", "false",
                "recall", "ATE [m]")  # fmt: skip
 
