@@ -35,6 +35,7 @@ mutate: $(VENV)/.test ## a sample of small mistakes, each to be noticed by a tes
 	$(BIN)/python -m tests.mutation --sample $(SAMPLE)
 
 KEEP := --keep docs/results
+RINGS := examples/worlds/tree.toml,examples/worlds/cubicles.toml,examples/worlds/warehouse.toml,examples/worlds/figure_eight.toml
 DISTURBED := "turned,moved,carried,carried late,blind ranges,dead odometry,very noisy odometry"
 WEATHER := sweep room-corridor --seeds 0 --variants examples/sweeps/real-weather.toml
 ROOMS := a1original,screen,arboreal,hall1,ourlab,cylinders
@@ -62,6 +63,9 @@ results: $(VENV)/.test ## the figures of docs/results, docs/THESIS.md and docs/R
 	$(BIN)/topomap bench journeys --worlds office-loop --seeds 20-24 --kinds $(DISTURBED) $(KEEP)/journeys.csv
 	$(BIN)/topomap bench journeys --worlds office-loop --seeds 20-24 --kinds $(DISTURBED) \
 		--set stack.mapper.snapshots.view=90x12x4 $(KEEP)/journeys.csv
+	$(BIN)/topomap bench journeys --worlds hall,office-loop --seeds 0-9 --textures 0-2 --set sim.driver.laps=0.5 $(KEEP)/journeys.csv
+	$(BIN)/topomap bench journeys --worlds room-corridor,$(RINGS) --seeds 0-9 --textures 0-2 $(KEEP)/journeys.csv
+	$(BIN)/topomap bench sessions --worlds hall,office-loop --seeds 0-4 --laps 10 $(KEEP)/sessions.csv
 	$(BIN)/topomap bench kidnapped examples/worlds/two-corridors.toml,office-loop --seeds 60-64 $(KEEP)/kidnapped.csv
 	$(BIN)/topomap bench graphs --graphs CSAIL,intel --peers DCS,GNC,Huber $(KEEP)/graphs.csv
 	$(BIN)/topomap bench graphs --graphs manhattanOlson3500 --peers DCS,GNC,Huber $(KEEP)/graphs.csv
