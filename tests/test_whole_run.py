@@ -26,7 +26,7 @@ from topomap.recording.run_reader import load_run
 SUMMARY_KEYS = [
     *("world", "seed", "config", "distance_m", "steps", "steps_per_s", "snapshots", "closures"),
     *("dead_reckoning_ate_m", "map_ate_m", "online_ate_m", "rotation_scale", "distance_scale", "curvature"),
-    *("home", "trust", "mount", "graph_hash", "topology_hash", "fault", "log", "versions"),
+    *("home", "legs", "trust", "mount", "graph_hash", "topology_hash", "fault", "log", "versions"),
 ]
 
 
