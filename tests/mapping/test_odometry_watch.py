@@ -14,15 +14,18 @@ from kept import as_before
 from played import moved, taught
 
 from sim2d import worlds
-from sim2d.config import SimConfig
+from sim2d.config import LaserConfig, SimConfig
 from sim2d.records import SetDown, SimReading
 from sim2d.robot import SimRobot
+from sim2d.sensors.laser import Laser
+from sim2d.streams import stream
 from topomap.app.config import load_config
 from topomap.core.geometry import Pose2
 from topomap.core.panorama import Panorama
 from topomap.core.records import Command, Motion
 from topomap.mapping.odometry.gap import restated
 from topomap.mapping.odometry.increments import Calibration, advance
+from topomap.mapping.odometry.scan_watch import ranges_confirm
 from topomap.mapping.odometry.watch import OdometryWatch
 
 CALIBRATED = Calibration(rotation_scale=1.04, curvature=0.003, distance_scale=0.95)
@@ -80,6 +83,22 @@ def test_another_light_is_no_break_but_being_carried_under_it_is(ranged: bool) -
     assert broken == []
     assert [(k, word.split(":")[0]) for k, word in mended] == [(40, "the light changed")]
     assert [k for k, _ in said(before[:30] + behind[50:])] == [30]
+
+
+@pytest.mark.parametrize(("carried", "light"), [(0.0, True), (4.2, False)])
+def test_a_wall_alone_confirms_no_change_of_the_light(carried: float, light: bool) -> None:
+    """Carried on along a wall of the hall, the step before was shown by .39 of the rays, and by .27 the wall is."""
+    world, laser = worlds.load("hall"), Laser(LaserConfig(), stream(0, "test"))
+    earlier, before, now = (
+        replace(Panorama.from_reading(taught(1)[0]), ranges=laser.exact(world, x, 14.0, math.pi).astype(np.float32))
+        for x in (13.3, 13.2, 13.2 - (carried or 0.1))
+    )
+    step = Motion(0.1, 0.0, 0.0, np.eye(3), 0.25)
+    assert ranges_confirm(before, now, Pose2(0.1, 0.0, 0.0)), "by the wall at least"
+    watch = OdometryWatch()
+    for reading in taught(40):
+        watch.judge(Panorama.from_reading(reading), reading.motion, CALIBRATED)
+    assert watch._is_light(0.54, (earlier, Pose2(0.1, 0.0, 0.0)), before, now, step) is light
 
 
 def beside_a_blade(reading: SimReading, share: float) -> SimReading:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import itertools
 import json
 import math
@@ -13,10 +12,9 @@ from typing import Literal
 
 import numpy as np
 
-from sim2d.worlds import sources
 from topomap.app.config import load_config
 from topomap.app.runs import open_world
-from topomap.app.sweep import source_digest
+from topomap.app.sweep import source_digest, world_digests
 from topomap.app.warm_up import warm_up
 from topomap.app.wiring import build_navigator, versions
 from topomap.bench.breaks import BreakDrive, BreakWatch
@@ -90,7 +88,7 @@ class BreakTask:
     @property
     def key(self) -> str:
         """All that decides the result."""
-        files = [hashlib.sha256(path.read_bytes()).hexdigest() for path in sources(self.world)]
+        files = world_digests(self.world)
         own = [Path(self.world).name, files, self.seed, self.kind, self.number, self.words]
         return json.dumps(["break", *own, versions(), source_digest()])
 

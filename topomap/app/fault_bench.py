@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import itertools
 import json
 import tempfile
@@ -13,13 +12,12 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from sim2d.worlds import sources
 from topomap.app.config import load_config
 from topomap.app.drive import drive
 from topomap.app.faulty import FAULTS, Fault, FaultyRobot
 from topomap.app.folder import RunFolder
 from topomap.app.runs import open_world
-from topomap.app.sweep import source_digest
+from topomap.app.sweep import source_digest, world_digests
 from topomap.app.wiring import versions
 from topomap.bench.pool import Store, workers
 from topomap.core.errors import DataError, RobotFault, TopomapError
@@ -72,7 +70,7 @@ class FaultTask:
     @property
     def key(self) -> str:
         """All that decides the result."""
-        files = [hashlib.sha256(path.read_bytes()).hexdigest() for path in sources(self.world)]
+        files = world_digests(self.world)
         own = [Path(self.world).name, files, self.seed, self.fault, self.when, self.words]
         return json.dumps(["fault", *own, versions(), source_digest()])
 

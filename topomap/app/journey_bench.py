@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import hashlib
 import itertools
 import json
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from sim2d.worlds import sources
 from topomap.app.config import load_config
 from topomap.app.disturbed import KINDS, Disturbance, Kind
 from topomap.app.journeys import journeys, teach
 from topomap.app.runs import open_world
-from topomap.app.sweep import source_digest
+from topomap.app.sweep import source_digest, world_digests
 from topomap.app.wiring import versions
 from topomap.bench.journeys import Journey
 from topomap.bench.pool import Store, workers
@@ -40,7 +38,7 @@ class LessonTask:
     @property
     def key(self) -> str:
         """All that decides the result."""
-        files = [hashlib.sha256(path.read_bytes()).hexdigest() for path in sources(self.world)]
+        files = world_digests(self.world)
         own = [Path(self.world).name, files, self.seed, self.textures, self.kinds, self.count, self.goal, self.words]
         return json.dumps(["journeys", *own, versions(), source_digest()])
 

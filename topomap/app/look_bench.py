@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import hashlib
 import itertools
 import json
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from sim2d.worlds import sources
 from topomap.app.config import RunConfig, load_config
 from topomap.app.runs import open_world
-from topomap.app.sweep import Variant, source_digest
+from topomap.app.sweep import Variant, source_digest, world_digests
 from topomap.app.wiring import versions
 from topomap.bench.looks.fit import curves, said
 from topomap.bench.looks.survey import Row, survey
@@ -38,7 +36,7 @@ class LookTask:
     @property
     def key(self) -> str:
         """All that decides the result."""
-        files = [hashlib.sha256(path.read_bytes()).hexdigest() for path in sources(self.world)]
+        files = world_digests(self.world)
         name = Path(self.world).name
         return json.dumps(["looks", name, files, self.seed, self.config.resolved(), versions(), source_digest()])
 

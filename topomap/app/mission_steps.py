@@ -5,11 +5,9 @@ from __future__ import annotations
 import math
 from itertools import pairwise
 
-import numpy as np
-
 from sim2d.robot import SimRobot
 from topomap.app.saved_map import SavedMap
-from topomap.core.arrays import FloatArray
+from topomap.evaluation.trajectory import travel
 from topomap.mapping.graph import TopoMap
 from topomap.navigation import planner
 from topomap.navigation.mission import MissionSettings, goals_of
@@ -33,17 +31,13 @@ def way_over(saved: SavedMap, mission: MissionSettings) -> float:
     known. Raises TopomapError."""
     topo, goals = saved.map, goals_of(mission.wish, saved.map)
     starts = [] if saved.start.node is None else [saved.start.node]
-    first = 0.0 if starts else _length(topo.poses)
+    first = 0.0 if starts else float(travel(topo.poses)[-1])
     return first + sum(_way(topo, a, b) for a, b in pairwise([*starts, *goals]))
 
 
 def _way(topo: TopoMap, start: int, goal: int) -> float:
     """Return the length [m] of the way between two nodes, 0 where there is none: the journey will say so."""
     try:
-        return _length(topo.poses[planner.route(topo, start, goal)])
+        return float(travel(topo.poses[planner.route(topo, start, goal)])[-1])
     except planner.NoRoute:
         return 0.0
-
-
-def _length(poses: FloatArray) -> float:
-    return float(np.hypot(*np.diff(poses[:, :2], axis=0).T).sum())

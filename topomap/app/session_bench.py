@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import itertools
 import json
 import tempfile
@@ -10,11 +9,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from sim2d.worlds import sources
 from topomap.app.config import load_config
 from topomap.app.runs import open_world
 from topomap.app.saved_map import SavedMap
-from topomap.app.sweep import source_digest
+from topomap.app.sweep import source_digest, world_digests
 from topomap.app.warm_up import warm_up
 from topomap.app.wiring import build_navigator, versions
 from topomap.bench.pool import Store, workers
@@ -72,8 +70,7 @@ def drive(world: str, seed: int, words: Sequence[str], known: Driven | None = No
 
 
 def _key(kind: str, world: str, *own: object) -> str:
-    files = [hashlib.sha256(path.read_bytes()).hexdigest() for path in sources(world)]
-    return json.dumps([kind, Path(world).name, files, *own, versions(), source_digest()])
+    return json.dumps([kind, Path(world).name, world_digests(world), *own, versions(), source_digest()])
 
 
 @dataclass(frozen=True, slots=True)

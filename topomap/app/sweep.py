@@ -50,7 +50,7 @@ class RunTask:
     @property
     def key(self) -> str:
         """Return all that decides the run: world with every file it rests on, seed, settings, versions and code."""
-        files = [hashlib.sha256(path.read_bytes()).hexdigest() for path in sources(self.world)]
+        files = world_digests(self.world)
         return json.dumps(
             [
                 Path(self.world).name,
@@ -119,6 +119,11 @@ def write_sweep(found: Sequence[SweptRun], out: Path) -> tuple[Path, ...]:
     write_whole(out / "sweep.csv", to_csv(found))
     write_whole(out / "sweep.png", png(swept(found)))
     return tuple(out / f"sweep.{kind}" for kind in ("json", "csv", "png"))
+
+
+def world_digests(world: str) -> list[str]:
+    """Return a digest of each file that a world rests on."""
+    return [hashlib.sha256(path.read_bytes()).hexdigest() for path in sources(world)]
 
 
 @cache

@@ -9,15 +9,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from topomap.core.arrays import BoolArray, FloatArray
-from topomap.core.evidence import FALSE_ROTATION
+from topomap.core.evidence import FALSE_DISTANCE, FALSE_ROTATION
 from topomap.core.geometry import wrap
 from topomap.evaluation.closures import PASS_MARGIN_M, PASS_RADIUS_M, PASS_TRAVEL_M
 from topomap.evaluation.trajectory import ate
 from topomap.mapping.graph import TopoMap
 
-FALSE_DISTANCE = 1.0
-"""[m] True places of a closure's ends are farther apart than this: it is false."""
 Truths = Mapping[int, tuple[float, float, float]]
+"""True poses x, y [m], heading [rad] by node number."""
 
 
 @dataclass(frozen=True, slots=True)
