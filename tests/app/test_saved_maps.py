@@ -137,6 +137,8 @@ def test_two_maps_become_one(taught: Path, second: Path, tmp_path: Path) -> None
     assert len(both.closures) >= len(a.closures) + len(b.closures) + 5
     assert false_closures(out) == 0
     assert ate(both.poses, truths(out, both)) < 0.05
+    measured = a.calibration.distance_scale
+    assert both.calibration.distance_scale == pytest.approx(measured, rel=1e-4), "places seen again would bend it"
 
 
 def test_what_a_map_has_not_is_said_before_anything_moves(taught: Path, tmp_path: Path) -> None:

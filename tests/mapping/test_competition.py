@@ -50,6 +50,16 @@ def test_a_map_beats_dead_reckoning() -> None:
     assert contest.errors[DEAD] > 2 * contest.errors[FULL]
 
 
+def test_a_map_that_stood_before_has_no_dead_reckoning_for_a_rival() -> None:
+    made = ring(1, closures=60)
+    contest = compete(solved(made.problem), None, (), SETTINGS)
+    assert contest.kept == FULL
+    assert DEAD not in contest.errors
+    bare = replace(made.problem, closures=Closures.of(()))
+    assert compete(bare, dead_reckoning(made.problem), (), SETTINGS).kept == DEAD
+    assert compete(bare, None, (), SETTINGS).kept == FULL
+
+
 def test_closures_that_predict_nothing_leave_dead_reckoning() -> None:
     made = ring(2, closures=60)
     known = made.problem.closures

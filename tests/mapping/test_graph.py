@@ -8,7 +8,7 @@ from maps import STEP_NS, increments, snapshot, square
 
 from topomap.core.geometry import Pose2, compose
 from topomap.mapping.graph import Node, TopoMap
-from topomap.mapping.odometry.increments import Calibration, Increments
+from topomap.mapping.odometry.increments import Calibration, Increments, integrate
 from topomap.mapping.optimizer import ClosureEdge
 
 
@@ -25,6 +25,20 @@ def test_calibration_is_applied_to_a_new_edge() -> None:
     topo.add(Node(0, 0.0, snapshot(0)), None)
     topo.add(Node(5 * STEP_NS, 0.5, None), increments(0, 5))
     assert topo.poses[1, 0] == pytest.approx(1.0)
+
+
+def test_edges_that_another_odometer_drove_say_the_same_under_a_new_calibration() -> None:
+    """What this drive finds of its odometer changes the edges it drove, and no others."""
+    topo = square()
+    known, found = Calibration(1.04, 0.003, 0.95), Calibration(1.02, -0.002, 0.97)
+    topo.calibration = known
+    before = [integrate(edge, known) for _, _, edge in topo.odometry_edges()]
+    topo.move(topo.poses.copy(), found, others=10)
+    after = [integrate(edge, found) for _, _, edge in topo.odometry_edges()]
+    for k, (then, now) in enumerate(zip(before, after, strict=True)):
+        same = [np.allclose(a, b, atol=1e-9) for a, b in zip(then[:2], now[:2], strict=True)]
+        assert all(same) == (k < 10), k
+    assert topo.way(3, 4).stamps_ns.tolist() == square().way(3, 4).stamps_ns.tolist()
 
 
 def test_inserting_splits_the_edge_and_moves_nothing() -> None:

@@ -13,6 +13,7 @@ from topomap.core.panorama import Panorama
 from topomap.core.records import Alignment, Candidate, Motion, Verdict
 from topomap.mapping.closures.ledger import Ledger
 from topomap.mapping.graph import TopoMap
+from topomap.mapping.odometry.increments import Calibration, leading
 from topomap.mapping.optimisation import Optimisation
 from topomap.mapping.optimizer.problem import PRIOR_SIGMAS, ClosureEdge, Problem, Solution
 from topomap.mapping.solve_due import OptimisationSettings, SolveDue
@@ -160,3 +161,34 @@ def test_what_was_given_up_or_taken_back_was_not_heard(monkeypatch: pytest.Monke
     assert optimisation._heard == 2
     optimisation.disbelieve(8, ledger, {5}, "it was elsewhere")
     assert optimisation._heard == 0
+
+
+def test_who_goes_on_with_another_odometer_finds_its_errors_and_leaves_the_map() -> None:
+    """A loaded ring of 40 m, driven again by an odometer that turns 1.5 % more and reads 1 % less of each metre."""
+    first, second = Calibration(1.04, 0.003, 0.95), Calibration(1.055, 0.002, 0.94)
+    topo, covariance = TopoMap(), np.diag(np.square([0.005, 0.001, 0.002]))
+    topo.calibration, track = first, Track(topo)
+    true = [Motion(0.5, 0.0, np.pi / 2 if k % 20 == 19 else 0.0, covariance, 0.25) for k in range(160)]
+
+    def drive(odometer: Calibration, steps: range) -> None:
+        for k in steps:
+            forward, left, _ = leading(Pose2(true[k].forward, 0.0, 0.0), odometer).tolist()
+            turn = odometer.rotation_scale * true[k].turn + odometer.curvature * true[k].forward
+            track.advance(k, Motion(forward, left, turn, covariance, 0.25))
+            track.node_at(k)
+
+    drive(first, range(80))
+    lap = topo.poses[:80].copy()
+    optimisation, ledger = Optimisation(OptimisationSettings(), Blind(), topo), Ledger()
+    optimisation.resume()
+    drive(second, range(80, 160))
+    for j in range(82, 160, 3):
+        edge = ClosureEdge(j - 80, j, Pose2(), np.diag(np.square([0.05, 0.05, 0.01])))
+        topo.close(edge)
+        optimisation.believe(edge, Candidate(j, edge.i, edge.i, edge.relative, edge.covariance, query=j))
+    optimisation.solve(160, ledger)
+    assert len(topo.closures) == 26
+    assert topo.calibration.rotation_scale > 1.044
+    assert topo.calibration.distance_scale < 0.946
+    moved = np.hypot(*(topo.poses[:80, :2] - lap[:, :2]).T)
+    assert moved.max() < 0.05, "the lap that stood before follows no other odometer"

@@ -11,7 +11,7 @@ from ring import TRUE, Ring, ate, blinded, edges_of, ring
 
 from topomap.core.errors import TopomapError
 from topomap.core.geometry import Pose2, wrap_all
-from topomap.mapping.odometry.increments import Calibration, Increments
+from topomap.mapping.odometry.increments import Calibration, EdgeIncrements, Increments, track
 from topomap.mapping.optimizer import (
     ClosureEdge,
     Closures,
@@ -92,6 +92,38 @@ def test_closure_agrees_with_gtsam() -> None:
         body.append(derivative @ np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]))
     whole = np.hstack(body)
     assert np.allclose(whole.T @ whole, factor.linearize(values).information(), rtol=1e-3, atol=0.02)
+
+
+OTHER = Calibration(rotation_scale=1.0, curvature=-0.004, distance_scale=0.92)
+
+
+def by_two_odometers(seed: int) -> tuple[Ring, Problem]:
+    """The second lap read by another odometer, the first one's errors being known."""
+    made = ring(seed, closures=60)
+    odometry, half = made.problem.odometry, len(made.problem.odometry) // 2
+    whole = odometry.increments
+    read, second = whole.read_by(TRUE, OTHER), int(whole.starts[half])
+    mixed = EdgeIncrements(
+        np.vstack([whole.deltas[:second], read.deltas[second:]]),
+        np.concatenate([whole.covariances[:second], read.covariances[second:]]), whole.starts,
+    )  # fmt: skip
+    way = Increments(np.arange(len(mixed.deltas)), mixed.deltas, mixed.covariances)
+    starts = track(way, TRUE)[whole.starts]
+    problem = replace(
+        made.problem, poses=starts, odometry=replace(odometry, increments=mixed), calibration=TRUE, prior=TRUE
+    )
+    return made, problem
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_another_odometer_on_the_same_map_is_found_beside_the_first(seed: int) -> None:
+    made, problem = by_two_odometers(seed)
+    others = np.arange(len(problem.odometry)) < len(problem.odometry) // 2
+    found = solve(replace(problem, prior_sigmas=(0.05, 0.01, 0.05), others=others))
+    assert found.closure_weights.mean() > 0.95
+    assert found.calibration.rotation_scale == pytest.approx(OTHER.rotation_scale, abs=0.025)
+    assert found.calibration.distance_scale == pytest.approx(OTHER.distance_scale, abs=0.01)
+    assert ate(found.poses, made.truth) < 0.6 * ate(solve(problem).poses, made.truth)
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2])

@@ -62,13 +62,14 @@ class Rival(NamedTuple):
 
 
 def compete(
-    problem: Problem, dead_reckoning: FloatArray, scanned: Sequence[TurnEdge], settings: OptimizerSettings
+    problem: Problem, dead_reckoning: FloatArray | None, scanned: Sequence[TurnEdge], settings: OptimizerSettings
 ) -> Contest:
     """Compare a finished map's problem with its rivals.
 
-    dead_reckoning (N, 3): the nodes by odometry as read; scanned: those of the turns that ranges measured.
+    dead_reckoning (N, 3): the nodes by odometry as read, None for a map that stood before this drive, which no odometry
+    gives up; scanned: those of the turns that ranges measured.
     """
-    if not len(problem.closures) and not len(scanned) and not _turns_tell(problem):
+    if dead_reckoning is not None and not len(problem.closures) and not len(scanned) and not _turns_tell(problem):
         return Contest(DEAD, {})
     stretch = _stretches(problem.closures)
     if stretch.max(initial=-1) + 1 < FEWEST:
@@ -77,7 +78,8 @@ def compete(
     if len(scanned) < len(problem.turns):
         blind = replace(problem, turns=tuple(scanned))
         rivals.append(Rival(BLIND, lambda known: _solved(replace(blind, closures=known), settings)))
-    rivals.append(Rival(DEAD, lambda known: dead_reckoning))
+    if dead_reckoning is not None:
+        rivals.append(Rival(DEAD, lambda known: dead_reckoning))
     errors = {rival.name: _errors(problem.closures, stretch, rival, settings.cutoff) for rival in rivals}
     best = FULL
     for name in list(errors)[1:]:

@@ -115,11 +115,12 @@ class TopoMap:
         if self.graph.edges[edge.i, edge.j]["kind"] == "closure":
             self._part(edge.i, edge.j)
 
-    def move(self, poses: FloatArray, calibration: Calibration) -> None:
+    def move(self, poses: FloatArray, calibration: Calibration, others: int = 0) -> None:
         """Set the poses (n, 3) of the first nodes and the calibration: what a solution does.
 
         Nodes that came since lie after them on the chain, or between them, as they did, but for what the calibration
-        changes of odometry.
+        changes of odometry. others: how many of the first edges were driven by other odometers, which it isn't of: they
+        are kept as the one that it is of would have read them.
         """
         since = {}
         for before, node in pairwise(self.chain):
@@ -127,6 +128,8 @@ class TopoMap:
                 then, now = (integrate(self._increments[before, node], c)[0] for c in (self.calibration, calibration))
                 since[before, node] = between(self.poses[before], self.poses[node]) + now - then
         self.poses[: len(poses)] = poses
+        if others and calibration != self.calibration:
+            self._increments.read_by(list(pairwise(self.chain[: others + 1])), self.calibration, calibration)
         self.calibration = calibration
         self._lay(since)
 

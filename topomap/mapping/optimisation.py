@@ -36,9 +36,12 @@ from topomap.vision.contracts import Aligner
 
 # places seen again tell nothing of the distance scale and would bend it (DESIGN.md): it is held at what was measured
 HELD = 1e-4
-# [log rotation scale, rad/m, log distance scale] the distances that a loaded map's calibration was found with aren't
-# kept: it stays nearly as it was found
-KEPT_SIGMAS = (0.01, 0.002, 0.01)
+# [log rotation scale, rad/m, log distance scale] what a kept calibration was found from isn't kept: it stays nearly as
+# it was found
+KEPT_SIGMAS = (0.01, 0.002, HELD)
+OTHER_SCALE = 0.01
+# [log distance scale] by which who goes on may read another way than who drove before: closures tell one scale beside
+# the other
 BACKEND = OptimizerSettings()
 STRETCH = 200  # odometry edges that are solved in between in a large map: up to 200 m
 
@@ -63,7 +66,8 @@ class Optimisation:
         self._heard = 0  # closures that the last solve of all was asked of
         self.solves = 0
         self.contest: Contest | None = None
-        self._known: Calibration | None = None  # of a loaded map
+        self._known: Calibration | None = None  # of a loaded map's odometer,
+        self._others = 0  # which drove so many edges; the one that goes on may be another
 
     def __getstate__(self) -> dict[str, object]:
         """Return what a copy takes along: what is being solved can't be copied, and is due anew there."""
@@ -75,8 +79,11 @@ class Optimisation:
         return state
 
     def resume(self) -> None:
-        """Take over a loaded map: its closures stand, and its calibration is what is known of the odometry."""
-        self._known = self._map.calibration
+        """Take over a loaded map: its closures stand, and its calibration is what is known of the odometry.
+
+        What this drive finds of its odometer leaves the edges of those before as they are.
+        """
+        self._known, self._others = self._map.calibration, len(self._map.chain) - 1
         self._due.recall(len(self._map.nodes))
         self._closures.recall()
         self._heard = len(self._closures)
@@ -105,7 +112,8 @@ class Optimisation:
         self.solve(stamp_ns, ledger)
         problem = replace(self._problem(), closures=self._closures.standing())
         scanned = self.sequential.scanned
-        self.contest = compete(problem, self._map.dead_reckoning(), scanned, BACKEND)
+        dead_reckoning = self._map.dead_reckoning() if self._known is None else None
+        self.contest = compete(problem, dead_reckoning, scanned, BACKEND)
         if self.contest.kept == BLIND:
             self._map.weigh(scanned)
             self.solve(stamp_ns, ledger)
@@ -174,7 +182,7 @@ class Optimisation:
         self._covariance = self._honest(solution.calibration_covariance)
         if not solution.improved:
             return False, []
-        self._map.move(solution.poses, solution.calibration)
+        self._map.move(solution.poses, solution.calibration, self._others)
         return True, self._closures.review(stamp_ns, ledger, range(self._heard), solution.closure_weights)
 
     def _solving_stretch(self) -> Slices[tuple[Recent, list[int]]]:
@@ -227,19 +235,25 @@ class Optimisation:
         return Trust("" if self.contest is None else self.contest.reason, noise.forward, noise.turn)
 
     def _problem(self) -> Problem:
-        scale = self.sequential.distance_scale
-        prior, sigmas = Calibration(distance_scale=scale.value), (PRIOR_SIGMAS[0], PRIOR_SIGMAS[1], HELD)
-        if self._known is not None:
-            prior, sigmas = self._known, KEPT_SIGMAS
+        edges = self._map.odometry()
         return Problem(
             self._map.poses.copy(),
-            self._map.odometry(),
+            edges,
             Closures.of(self._closures.edges),
             tuple(self.sequential.turns),
             self._map.calibration,
-            prior,
-            sigmas,
+            *self._prior(),
+            others=np.arange(len(edges)) < self._others if self._others else None,
         )
+
+    def _prior(self) -> tuple[Calibration, tuple[float, float, float]]:
+        """Return what is known of this drive's odometer, and its sigmas as `Problem` has them."""
+        scale = self.sequential.distance_scale
+        if self._known is None:
+            return Calibration(distance_scale=scale.value), (PRIOR_SIGMAS[0], PRIOR_SIGMAS[1], HELD)
+        if scale.observed:
+            return replace(self._known, distance_scale=scale.value), KEPT_SIGMAS
+        return self._known, (KEPT_SIGMAS[0], KEPT_SIGMAS[1], OTHER_SCALE)
 
     def _honest(self, covariance: FloatArray) -> FloatArray:
         """Return the covariance (3, 3) of a solution; the distance scale was held and is as unknown as before."""

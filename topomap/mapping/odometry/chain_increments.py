@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from topomap.mapping.odometry.increments import EdgeIncrements, Increments
+from topomap.mapping.odometry.increments import Calibration, EdgeIncrements, Increments
 from topomap.mapping.odometry.noise import AS_DECLARED, OdometerNoise
 
 Ends = tuple[int, int]
@@ -74,6 +74,14 @@ class ChainIncrements:
         for ends, own in self._declared.items():
             self._declared[ends] = replace(own, stamps_ns=own.stamps_ns - back)
         self._judged.clear()
+
+    def read_by(self, edges: Sequence[Ends], theirs: Calibration, ours: Calibration) -> None:
+        """Let some edges say what an odometer with errors `ours` would have read; one with errors `theirs` did."""
+        declared = [self._declared[ends] for ends in edges]
+        whole = EdgeIncrements.of(declared).read_by(theirs, ours)
+        for k, (ends, own) in enumerate(zip(edges, declared, strict=True)):
+            part = slice(*whole.starts[k : k + 2])
+            self[ends] = Increments(own.stamps_ns, whole.deltas[part], whole.covariances[part])
 
     def _judging(self, declared: EdgeIncrements) -> EdgeIncrements:
         if self.noise is AS_DECLARED:

@@ -176,6 +176,21 @@ class EdgeIncrements:
         rho = 1 / calibration.rotation_scale
         return Preintegrated(*accumulate(self.deltas, self.covariances, self.starts, rho, bend))
 
+    def read_by(self, theirs: Calibration, ours: Calibration) -> EdgeIncrements:
+        """Return the increments as another odometer would have read what the first one read.
+
+        theirs, ours: the errors of the odometer that read them and of the other one.
+        """
+        f, left, turn = self.deltas.T
+        forward = f / theirs.distance_scale
+        true_turn = (turn - theirs.curvature * forward) / theirs.rotation_scale
+        scale = ours.distance_scale / theirs.distance_scale
+        read = np.column_stack([
+            ours.distance_scale * forward, scale * left, ours.rotation_scale * true_turn + ours.curvature * forward
+        ])  # fmt: skip
+        shrink = np.array([scale, scale, ours.rotation_scale / theirs.rotation_scale])
+        return EdgeIncrements(read, self.covariances * (shrink[:, None] * shrink[None, :]), self.starts)
+
 
 def integrate(increments: Increments, calibration: Calibration) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Integrate one edge: relative pose, its random covariance and its dependence on the calibration.

@@ -131,9 +131,8 @@ class Objective:
 
     def linearise(self, state: State) -> Linearised:
         """Return every residual at the state."""
-        edges = self._edges.integrate(state.calibration)
         i, j = self._turn_pairs[:, 0], self._turn_pairs[:, 1]
-        odometry = odometry_residuals(state.poses, state.calibration, self.pairs, edges)
+        odometry = self._odometry(state)
         return Linearised(
             odometry,
             closure_residuals(state.poses, self.problem.closures),
@@ -142,6 +141,15 @@ class Objective:
             state.calibration.vector() - self.problem.prior.vector(),
             calibration_jacobian(odometry, state.poses, self.problem.anchor),
         )
+
+    def _odometry(self, state: State) -> Residuals:
+        own = self._read_by(state.calibration, state.poses)
+        if self.problem.others is None:
+            return own
+        return own.with_others(self._read_by(self.problem.calibration, state.poses), self.problem.others)
+
+    def _read_by(self, calibration: Calibration, poses: FloatArray) -> Residuals:
+        return odometry_residuals(poses, calibration, self.pairs, self._edges.integrate(calibration))
 
     def turn_weights(self, at: Linearised) -> FloatArray:
         """Return (T,) what each measured turn counts: 1 where it fits, less the further it is off."""

@@ -127,7 +127,8 @@ class Problem:
 
     poses (N, 3): the start, made with `calibration`; node ids are 0..N-1; odometry: in travel order, an edge
     begins where the last one ended; prior, prior_sigmas (3,): mean and sigma of (log rotation scale,
-    curvature [rad/m], log distance scale); anchor: the node that is held.
+    curvature [rad/m], log distance scale); anchor: the node that is held; others (E,): the odometry edges of other
+    drives, whose errors are those of `calibration` and aren't sought, none if left out.
     Raises TopomapError for NaN, ids out of range, a broken chain or a missing anchor.
     """
 
@@ -140,6 +141,7 @@ class Problem:
     prior_sigmas: tuple[float, float, float] = PRIOR_SIGMAS
     anchor: int = 0
     axes: tuple[AxisEdge, ...] = ()
+    others: BoolArray | None = None
 
     def __post_init__(self) -> None:
         if self.poses.ndim != 2 or self.poses.shape[1] != 3 or len(self.poses) == 0:

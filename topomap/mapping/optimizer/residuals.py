@@ -49,6 +49,16 @@ class Residuals(NamedTuple):
             residual=self.residual * root[:, None],
         )  # fmt: skip
 
+    def with_others(self, others: Residuals, where: BoolArray) -> Residuals:
+        """Return the residuals with some (n,) from others of the same poses, which no calibration changes."""
+        assert self.by_calibration is not None
+        wide = where[:, None, None]
+        return self._replace(
+            by_i=np.where(wide, others.by_i, self.by_i), by_j=np.where(wide, others.by_j, self.by_j),
+            by_calibration=np.where(wide, 0.0, self.by_calibration),
+            residual=np.where(where[:, None], others.residual, self.residual),
+        )  # fmt: skip
+
 
 def roots(covariance: FloatArray) -> FloatArray:
     """Return (n, 3, 3) whitening matrices W with W^T W the inverse of covariance (n, 3, 3)."""

@@ -15,7 +15,7 @@ from topomap.mapping.closures.claims import Claims
 from topomap.mapping.closures.drive import Drive
 from topomap.mapping.experience import Experience
 from topomap.mapping.graph import BETWEEN_DRIVES_NS, Node, TopoMap
-from topomap.mapping.odometry.increments import Calibration, Increments
+from topomap.mapping.odometry.increments import Calibration, EdgeIncrements, Increments
 from topomap.mapping.optimisation import KEPT_SIGMAS
 from topomap.mapping.optimizer import OdometryEdge, OdometryEdges, TurnEdge
 from topomap.mapping.optimizer.problem import ClosureEdge
@@ -119,16 +119,8 @@ def _read_as(increments: Increments, theirs: Calibration, ours: Calibration, lat
 
     One calibration holds for all of a map: what the second drive found of its odometer is applied before.
     """
-    f, left, turn = increments.deltas.T
-    forward = f / theirs.distance_scale
-    true_turn = (turn - theirs.curvature * forward) / theirs.rotation_scale
-    scale = ours.distance_scale / theirs.distance_scale
-    read = np.column_stack([
-        ours.distance_scale * forward, scale * left, ours.rotation_scale * true_turn + ours.curvature * forward
-    ])  # fmt: skip
-    shrink = np.array([scale, scale, ours.rotation_scale / theirs.rotation_scale])
-    covariances = increments.covariances * (shrink[:, None] * shrink[None, :])
-    return Increments(increments.stamps_ns + later, read, covariances)
+    read = EdgeIncrements.of([increments]).read_by(theirs, ours)
+    return Increments(increments.stamps_ns + later, read.deltas, read.covariances)
 
 
 def _judged(
