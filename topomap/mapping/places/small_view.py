@@ -22,6 +22,9 @@ farther off the one in its middle, as walls that are seen at a slant would bend 
 GRAIN = 100.0
 """[1/m] Ranges are kept to the centimetre, which is the scanner's noise."""
 
+PNG = (cv2.IMWRITE_PNG_COMPRESSION, 9, cv2.IMWRITE_PNG_STRATEGY, cv2.IMWRITE_PNG_STRATEGY_RLE)
+"""Of few tones most of a view is runs: 9 % less than the usual strategy takes, over 561 views of `office-loop`."""
+
 
 def small_view(panorama: Panorama, size: ViewSize) -> Panorama:
     """Return a panorama at a size, as one that is stored has it; one that is as small already is left as it is."""
@@ -34,7 +37,7 @@ def small_view(panorama: Panorama, size: ViewSize) -> Panorama:
 
 def snapshot_of(panorama: Panorama) -> Snapshot:
     """Return a small panorama as it is stored: PNG of one channel, its nose in the first column."""
-    image = cv2.imencode(".png", panorama.image[:, :, 0], [cv2.IMWRITE_PNG_COMPRESSION, 9])[1]
+    image = cv2.imencode(".png", panorama.image[:, :, 0], PNG)[1]
     return Snapshot(image.tobytes(), panorama.ranges, _recorded(panorama))
 
 
