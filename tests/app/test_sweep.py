@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -13,6 +14,7 @@ import pytest
 
 from topomap.app.config import load_config
 from topomap.app.sweep import RunTask, plan, run_sweep, variants, write_sweep
+from topomap.bench.sweeps.matrix import matrix, placed
 from topomap.bench.sweeps.table import SweptRun, lines
 from topomap.cli.sweep_commands import HEADINGS, cells
 from topomap.core.errors import ConfigError, DataError
@@ -49,7 +51,13 @@ def test_variants_are_every_combination(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "world", "count"), [("conditions", DEN, 8), ("real-weather", DEN, 8), ("standing", "office-loop", 5)]
+    ("name", "world", "count"),
+    [
+        ("conditions", DEN, 8),
+        ("real-weather", DEN, 8),
+        ("real-weather-strength", DEN, 48),
+        ("standing", "office-loop", 5),
+    ],
 )
 def test_the_example_holds_settings_that_there_are(tmp_path: Path, name: str, world: str, count: int) -> None:
     example = Path(__file__).parents[2] / "examples" / "sweeps" / f"{name}.toml"
@@ -109,10 +117,25 @@ def test_the_table_says_what_the_runs_say(twice: tuple[Path, list[SweptRun], lis
     assert (line.spreads["map_ate_se2_m"].least, line.spreads["map_ate_se2_m"].most) == (min(errors), max(errors))
     assert math.isnan(line.home.value), "home wasn't asked for"
     assert len(cells(line)) == len(HEADINGS)
-    table, rows, picture = write_sweep(one, out)
+    table, rows, picture, glance = write_sweep(one, out)
     assert json.loads(table.read_text())[0]["seeds"] == [0, 1]
     assert [row["graph_hash"] for row in csv.DictReader(rows.open())] == [run.summary["graph_hash"] for run in one]
     assert picture.stat().st_size > 10_000
+    assert glance.stat().st_size > 5_000
+
+
+def test_the_strengths_of_one_variant_stand_side_by_side(twice: tuple[Path, list[SweptRun], list[SweptRun]]) -> None:
+    _, one, _ = twice
+    names = ("fog x1", "fog x2", "night x2", "axle x")
+    runs = [replace(run, variant=name) for name in names for run in one]
+    assert [placed(line) for line in lines(runs)] == [
+        ("fog", "den\nx1"), ("fog", "den\nx2"), ("night", "den\nx2"), ("axle x", "den"),
+    ]  # fmt: skip
+    drawn = matrix(runs)
+    titles = [axes.get_title(loc="left") for axes in drawn.axes]
+    assert titles == ["false closures, in all", "map [m], mean"], "home wasn't asked for, nothing is seen again"
+    words = [text.get_text() for text in drawn.axes[1].texts]
+    assert words == [f"{lines(one)[0].spreads['map_ate_se2_m'].mean:.2f}"] * 4
 
 
 def test_a_run_whose_files_were_deleted_is_made_again(twice: tuple[Path, list[SweptRun], list[SweptRun]]) -> None:

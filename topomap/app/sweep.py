@@ -20,6 +20,7 @@ from topomap.app.folder import RunFolder
 from topomap.app.wiring import versions
 from topomap.bench.pool import Store, digest_files, workers
 from topomap.bench.sweeps.figure import swept
+from topomap.bench.sweeps.matrix import matrix
 from topomap.bench.sweeps.table import SweptRun, to_csv, to_json
 from topomap.core.errors import ConfigError
 from topomap.core.names import safe_name
@@ -114,11 +115,12 @@ def run_sweep(
 
 
 def write_sweep(found: Sequence[SweptRun], out: Path) -> tuple[Path, ...]:
-    """Write sweep.json, sweep.csv and sweep.png."""
+    """Write sweep.json, sweep.csv, sweep.png with every run, and matrix.png with variants against worlds."""
     write_whole(out / "sweep.json", to_json(found))
     write_whole(out / "sweep.csv", to_csv(found))
     write_whole(out / "sweep.png", png(swept(found)))
-    return tuple(out / f"sweep.{kind}" for kind in ("json", "csv", "png"))
+    write_whole(out / "matrix.png", png(matrix(found)))
+    return tuple(out / name for name in ("sweep.json", "sweep.csv", "sweep.png", "matrix.png"))
 
 
 def world_digests(world: str) -> list[str]:
