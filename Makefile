@@ -37,7 +37,14 @@ mutate: $(VENV)/.test ## a sample of small mistakes, each to be noticed by a tes
 KEEP := --keep docs/results
 RINGS := examples/worlds/tree.toml,examples/worlds/cubicles.toml,examples/worlds/warehouse.toml,examples/worlds/figure_eight.toml
 DISTURBED := "turned,moved,carried,carried late,blind ranges,dead odometry,very noisy odometry"
-WEATHER := sweep room-corridor --seeds 0 --variants examples/sweeps/real-weather.toml
+KEEP_SWEEP = ( echo "\# topomap $(1)"; cat runs/$(2)/sweep.csv ) > docs/results/$(2).csv
+WEATHER := sweep hall room-corridor office-loop --seeds 0-4 --variants examples/sweeps/real-weather.toml
+STRENGTH := sweep room-corridor --seeds 0-2 --variants examples/sweeps/real-weather-strength.toml
+TILT := sweep hall room-corridor office-loop --seeds 0-9 --variants examples/sweeps/tilt.toml
+LOOK_ALIKES := --seeds 0-4 --variants examples/sweeps/look-alikes.toml --set stack.mission.then=stop
+ALIKE := sweep examples/worlds/two-corridors.toml examples/worlds/tree.toml hall $(LOOK_ALIKES)
+ALIKE_RINGS := sweep examples/worlds/cubicles.toml examples/worlds/figure_eight.toml examples/worlds/warehouse.toml \
+	$(LOOK_ALIKES) --set sim.driver.laps=2
 ROOMS := a1original,screen,arboreal,hall1,ourlab,cylinders
 
 results: $(VENV)/.test ## the figures of docs/results, docs/THESIS.md and docs/ROBUST.md anew: hours; GRIDS=, DRIVES=folders of panoramas, TOPOMAP_DATA=recorded data
@@ -54,8 +61,17 @@ results: $(VENV)/.test ## the figures of docs/results, docs/THESIS.md and docs/R
 	$(BIN)/topomap bench mission
 	for d in $(DRIVES); do $(BIN)/topomap bench drive $$d --draws 3 --scale 1 --scale 3 --scale 10 \
 		--every 1 --every 2 --every 4 $(KEEP)/drives.csv || exit 1; done
-	$(BIN)/topomap $(WEATHER) --out runs/weather
-	( echo "# topomap $(WEATHER)"; cat runs/weather/sweep.csv ) > docs/results/real-weather.csv
+	$(BIN)/topomap $(WEATHER) --out runs/real-weather
+	$(call KEEP_SWEEP,$(WEATHER),real-weather)
+	$(BIN)/topomap $(STRENGTH) --out runs/real-weather-strength
+	$(call KEEP_SWEEP,$(STRENGTH),real-weather-strength)
+	cp runs/real-weather-strength/matrix.png docs/results/real-weather-strength.png
+	$(BIN)/topomap $(TILT) --out runs/tilt
+	$(call KEEP_SWEEP,$(TILT),tilt)
+	$(BIN)/topomap $(ALIKE) --out runs/alike
+	$(BIN)/topomap $(ALIKE_RINGS) --out runs/alike-rings
+	( echo "# topomap $(ALIKE)"; echo "# topomap $(ALIKE_RINGS)"; cat runs/alike/sweep.csv; \
+		tail -n +2 runs/alike-rings/sweep.csv ) > docs/results/look-alikes.csv
 	$(BIN)/topomap bench breaks $(KEEP)/breaks.csv
 	$(BIN)/topomap bench faults $(KEEP)/faults.csv
 	$(BIN)/topomap bench journeys --worlds room-corridor,hall --seeds 20-22 --kinds $(DISTURBED) --count 2 --goal any \
