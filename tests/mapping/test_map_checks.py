@@ -53,6 +53,7 @@ FITS: list[Arrays] = [
     rigged(width=16_384), rigged(width=40), rigged(height=8_192), rigged(height=1), rigged(forward_column=71),
     rigged(forward_column=0), rigged(focal=1e-9), rigged(horizon_row=-9e5), rigged(clockwise=False),
     {"rig_of": [-1] * 18}, {"places": {"d" * 64: 3}}, {"places": {"d": -1}}, {"view": "90x12x4"}, {},
+    {"next_name": 2**62 - 1}, {"next_name": 0},
 ]  # fmt: skip
 REFUSED: list[tuple[Arrays, str]] = [
     (calibrated(rotation_scale=100.0), "scales near 1"), (calibrated(distance_scale=0.01), "scales near 1"),
@@ -66,7 +67,8 @@ REFUSED: list[tuple[Arrays, str]] = [
     (rigged(camera_height=float("nan")), "numbers"), ({"rig_of": [1] * 18}, "a rig for each view"),
     ({"rig_of": [-2] * 18}, "a rig for each view"), ({"rig_of": [0.0] * 18}, "a rig for each view"),
     ({"places": {"": 3}}, "places"), ({"places": {"d" * 65: 3}}, "places"), ({"places": {"d": 3.0}}, "places"),
-    ({"places": [3]}, "places"), ({"view": "1x1x1"}, "columns"),
+    ({"places": [3]}, "places"), ({"next_name": 2**62}, "next number"), ({"next_name": -1}, "next number"),
+    ({"next_name": 3.0}, "next number"), ({"view": "1x1x1"}, "columns"),
 ]  # fmt: skip
 
 

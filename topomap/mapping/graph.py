@@ -49,7 +49,7 @@ class TopoMap:
         self.calibration = Calibration()
         self.experience = Experience()
         self.graph: nx.Graph[int] = nx.Graph()
-        self._next_name = 0
+        self.next_name = 0  # no node ever had it: one that was left out keeps its number for itself
         self._poses = np.zeros((64, 3))
         self._increments = ChainIncrements()
 
@@ -256,15 +256,19 @@ class TopoMap:
         turns: list[TurnEdge],
         names: list[int] | None = None,
         jumps: set[int] | None = None,
+        next_name: int = 0,
     ) -> None:
-        """Fill an empty map with saved contents: edges (len(chain) - 1) along the chain. Raises ValueError."""
+        """Fill an empty map with saved contents: edges (len(chain) - 1) along the chain. Raises ValueError.
+
+        next_name: least number that the next node is given, which nodes that were left out have not had.
+        """
         if sorted(chain) != list(range(len(nodes))) or poses.shape != (len(nodes), 3):
             raise ValueError("nodes, poses and chain don't fit together")
         for node, pose in zip(nodes, poses, strict=True):
             self._store(node, pose, len(self.chain))
         self.chain = list(chain)
         self.names = self.names if names is None else list(names)
-        self._next_name = max(self.names, default=-1) + 1
+        self.next_name = max(next_name, max(self.names, default=-1) + 1)
         self.jumps = set(jumps or ())
         for a, b, increments in zip(chain, chain[1:], edges, strict=False):
             self._join(a, b, increments)
@@ -282,8 +286,8 @@ class TopoMap:
         if new == len(self._poses):
             self._poses = np.concatenate([self._poses, np.zeros_like(self._poses)])
         self.nodes.append(node)
-        self.names.append(self._next_name)
-        self._next_name += 1
+        self.names.append(self.next_name)
+        self.next_name += 1
         self._poses[new] = pose
         self.chain.insert(place, new)
         self.graph.add_node(new)

@@ -16,6 +16,7 @@ from topomap.mapping.graph import Node, Snapshot, TopoMap
 from topomap.mapping.mapfile import from_bytes, to_bytes
 from topomap.mapping.optimizer.problem import ClosureEdge
 from topomap.mapping.sessions.prune import prune
+from topomap.mapping.sessions.rebuild import only
 
 STEPS = 40
 """Snapshots of a lap, 0.5 m apart, on a circle: equal steps and turns."""
@@ -60,6 +61,17 @@ def test_numbers_poses_and_places_stay() -> None:
     assert pruned.places == topo.places
     assert pruned.node_named(STEPS + 11) is not None
     assert to_bytes(from_bytes(to_bytes(pruned))) == to_bytes(pruned)
+
+
+def test_numbers_that_were_left_out_are_given_to_no_other_node() -> None:
+    """The places of a map are named by them, in notes and logs as well, when the last of them is long gone."""
+    whole = laps(2)
+    pruned, gone = prune(whole)
+    assert max(gone) > max(pruned.names), "the end of the drive is left out"
+    kept = from_bytes(to_bytes(pruned))
+    for topo in (pruned, kept, only(kept, set(range(5)), set())):
+        name = topo.names[topo.add(Node(10**12, 99.0, None), increments(10**4, 1))]
+        assert name == len(whole.nodes)
 
 
 def test_pruned_again_nothing_changes() -> None:

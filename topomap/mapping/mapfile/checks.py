@@ -18,6 +18,7 @@ MOST = 200_000
 """Nodes, closures or turns: a hundred kilometres at two a metre. Each takes some kilobytes when it is loaded."""
 WIDEST, HIGHEST = 16_384, 8_192  # [pixels]
 LONGEST_NAME = 64
+LAST_NAME = 2**62  # numbers stay numbers, however many maps are merged
 FARTHEST = 1e8  # [m] sums of squares of positions stay numbers
 EVENLY = 1e-6  # share by which a covariance may be unlike its transpose
 
@@ -38,6 +39,8 @@ def check_meta(meta: dict[str, Any]) -> None:
     places = meta.get("places", {})
     _must(isinstance(places, dict), "places by name")
     _must(all(0 < len(name) <= LONGEST_NAME and type(node) is int for name, node in places.items()), "places by name")
+    following = meta.get("next_name", 0)
+    _must(type(following) is int and 0 <= following < LAST_NAME, "a next number that is a number")
     try:
         parse_view(meta.get("view", "full"))
     except DataError as error:

@@ -96,7 +96,7 @@ def _load(file: IO[bytes]) -> TopoMap:
     topo.view = meta.get("view", "full")
     nodes = list(_nodes(arrays, meta))
     check_views(nodes)
-    _restore(topo, nodes, arrays)
+    _restore(topo, nodes, arrays, meta.get("next_name", 0))
     topo.places = dict(meta.get("places", {}))
     topo.experience = Experience(_experience(arrays))
     return topo
@@ -144,13 +144,13 @@ def _nodes(arrays: dict[str, Array], meta: dict[str, Any]) -> Iterator[Node]:
         yield Node(stamp, travel, snapshot)
 
 
-def _restore(topo: TopoMap, nodes: list[Node], arrays: dict[str, Array]) -> None:
+def _restore(topo: TopoMap, nodes: list[Node], arrays: dict[str, Array], next_name: int) -> None:
     chain = arrays["chain"].tolist()
     parts = [arrays["increment_stamps_ns"], arrays["deltas"], arrays["covariances"]]
     edges = [Increments(*(part[a:b] for part in parts)) for a, b in pairwise([0, *arrays["edge_ends"].tolist()])]
     jumps = set(arrays["chain"][arrays["jumps"]].tolist())
     names = arrays["names"].tolist()
-    topo.restore(nodes, arrays["poses"], chain, edges, _closures(arrays), _turns(arrays), names, jumps)
+    topo.restore(nodes, arrays["poses"], chain, edges, _closures(arrays), _turns(arrays), names, jumps, next_name)
 
 
 def _closures(arrays: dict[str, Array]) -> list[ClosureEdge]:

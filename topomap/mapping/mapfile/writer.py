@@ -99,6 +99,7 @@ def _meta(topo: TopoMap) -> dict[str, Any]:
         "rig_of": names,
         "places": dict(sorted(topo.places.items())),
         "view": topo.view,
+        **({"next_name": topo.next_name} if topo.next_name > max(topo.names, default=-1) + 1 else {}),
     }
 
 

@@ -81,7 +81,7 @@ def _across(judged: Judgement, edges: list[ClosureEdge], count: int) -> set[tupl
 
 def _joined(first: TopoMap, second: TopoMap) -> tuple[TopoMap, int]:
     """Return both drives in one map, a gap between them, and what the second one's numbers were raised by."""
-    count, offset = len(first.nodes), max(first.names) + 1
+    count, offset = len(first.nodes), first.next_name
     last, begin = first.nodes[first.chain[-1]], second.nodes[second.chain[0]]
     later = last.stamp_ns + BETWEEN_DRIVES_NS - begin.stamp_ns
     further = last.travel + FAR
@@ -103,6 +103,7 @@ def _joined(first: TopoMap, second: TopoMap) -> tuple[TopoMap, int]:
         [*first.turns, *(TurnEdge(t.i + count, t.j + count, t.turn, t.sigma) for t in second.turns)],
         [*first.names, *(name + offset for name in second.names)],
         {*first.jumps, second.chain[0] + count, *(node + count for node in second.jumps)},
+        second.next_name + offset,
     )
     result.places = {**{name: node + offset for name, node in second.places.items()}, **first.places}
     shifted = (replace(row, a=row.a + count, b=row.b + count) for row in second.experience)

@@ -33,6 +33,7 @@ def only(topo: TopoMap, keep: set[int], parting: set[int]) -> TopoMap:
         [replace(t, i=new[t.i], j=new[t.j]) for t in topo.turns if t.i in keep and t.j in keep],
         [topo.names[old] for old in new],
         {new[node] for node in jumps},
+        topo.next_name,
     )
     result.places = dict(topo.places)
     kept = (row for row in topo.experience if row.a in keep and row.b in keep)
