@@ -7,15 +7,17 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
+from maps import STEP_NS, increments, square
 
 from topomap.core.geometry import Pose2
 from topomap.core.panorama import Panorama
 from topomap.core.records import Alignment, Candidate, Motion, Verdict
 from topomap.mapping.closures.ledger import Ledger
-from topomap.mapping.graph import TopoMap
+from topomap.mapping.graph import Node, TopoMap
+from topomap.mapping.measured_turns import MeasuredTurn
 from topomap.mapping.odometry.increments import Calibration, leading
 from topomap.mapping.optimisation import Optimisation
-from topomap.mapping.optimizer.problem import PRIOR_SIGMAS, ClosureEdge, Problem, Solution
+from topomap.mapping.optimizer.problem import PRIOR_SIGMAS, ClosureEdge, Problem, Solution, TurnEdge
 from topomap.mapping.solve_due import OptimisationSettings, SolveDue
 from topomap.mapping.track import Track
 
@@ -192,3 +194,28 @@ def test_who_goes_on_with_another_odometer_finds_its_errors_and_leaves_the_map()
     assert topo.calibration.distance_scale < 0.946
     moved = np.hypot(*(topo.poses[:80, :2] - lap[:, :2]).T)
     assert moved.max() < 0.05, "the lap that stood before follows no other odometer"
+
+
+def test_a_loaded_map_keeps_its_measured_turns_and_how_its_odometry_was_judged() -> None:
+    """Both were lost to what the drive that goes on measured: a map went worse by each drive on it."""
+    topo = square()
+    topo.turns = [TurnEdge(k, k + 1, 0.0, 0.01) for k in range(16)]
+    before = [way.covariances.tolist() for _, _, way in topo.odometry_edges()]
+    optimisation = Optimisation(OptimisationSettings(), Blind(), topo)
+    optimisation.resume()
+    old, end = list(topo.turns), 16
+    for k in range(17, 30):
+        topo.add(Node(5 * k * STEP_NS, 0.5 * k, None), increments(5 * (k - 1), 5))
+        sequential = optimisation.sequential
+        sequential._take(MeasuredTurn(end, k, 0.02, 0.5, 1e-3, 0.5), scanned=0.0, scan_sigma=1e-3)
+        sequential._by_ranges.add((end, k))
+        end = k
+    optimisation.solve(10**12, Ledger())
+    assert topo.noise.turn is not None, "this drive's odometer was judged"
+    assert topo.turns[:16] == old
+    assert len(topo.turns) == 16 + 13
+    assert optimisation.sequential.scanned == topo.turns, "nobody knows which of the loaded ones were seen"
+    after = [way.covariances.tolist() for _, _, way in topo.odometry_edges()]
+    assert after[:16] == before
+    assert after[16] != before[15]
+    assert [way.tolist() for way in np.split(topo.odometry().increments.covariances, 29)] == after

@@ -165,6 +165,10 @@ class TopoMap:
         """Take the odometry's errors for what the data says."""
         self._increments.judge(noise)
 
+    def settle(self) -> None:
+        """Let the odometry so far be as sure as it says, whatever is judged from now on: a loaded map's was judged."""
+        self._increments.settle()
+
     def weigh(self, turns: Sequence[TurnEdge]) -> None:
         """Replace the measured turns: the same ones with other sigmas, or some left out."""
         self.turns[:] = turns

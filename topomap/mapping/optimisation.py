@@ -84,6 +84,7 @@ class Optimisation:
         What this drive finds of its odometer leaves the edges of those before as they are.
         """
         self._known, self._others = self._map.calibration, len(self._map.chain) - 1
+        self._map.settle()
         self._due.recall(len(self._map.nodes))
         self._closures.recall()
         self._heard = len(self._closures)

@@ -42,6 +42,7 @@ class SequentialConstraints:
         self._aligner = aligner
         self._second = EpipolarCompass()
         self._map = topo
+        self._before = tuple(topo.turns)  # those of a loaded map: what they were weighed by isn't kept
         self._scale = DistanceScale()
         self._evidence = TurnEvidence()
         self._by_ranges: set[tuple[int, int]] = set()
@@ -54,8 +55,9 @@ class SequentialConstraints:
 
     @property
     def scanned(self) -> list[TurnEdge]:
-        """Those of the turns that ranges measured."""
-        return [turn for turn in self.turns if (turn.i, turn.j) in self._by_ranges]
+        """Those of the turns that ranges measured, and those of a loaded map, of which nobody knows."""
+        own = self.turns[len(self._before) :]
+        return [*self._before, *(turn for turn in own if (turn.i, turn.j) in self._by_ranges)]
 
     @property
     def distance_scale(self) -> Estimate:
@@ -84,7 +86,7 @@ class SequentialConstraints:
             return
         self._weighed = len(self._evidence)
         found = self._evidence.weigh()
-        self._map.weigh(found.edges)
+        self._map.weigh([*self._before, *found.edges])
         turn, forward = _factor(found.odometer), _factor(self._scale.odometer())
         noise = OdometerNoise(turn if forward is None else forward, turn)
         if not noise.near(self._map.noise):

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from topomap.mapping.odometry.increments import Calibration, EdgeIncrements, Increments
 from topomap.mapping.odometry.noise import AS_DECLARED, OdometerNoise
 
@@ -21,6 +23,7 @@ class ChainIncrements:
     def __init__(self) -> None:
         self.noise = AS_DECLARED
         self._declared: dict[Ends, Increments] = {}
+        self._settled: set[Ends] = set()  # what is kept of these was judged once for all
         self._judged: dict[Ends, Increments] = {}
         self._parts: list[Increments] = []  # of which `whole` was made last, as declared,
         self._whole = EdgeIncrements.of([])  # in one piece,
@@ -43,12 +46,18 @@ class ChainIncrements:
         self.noise = noise
         self._judged.clear()
 
+    def settle(self) -> None:
+        """Let all edges so far be as sure as they say: those of a loaded map, whose odometry was judged then."""
+        self._settled = set(self._declared)
+        self.judge(self.noise)
+        self._parts = []
+
     def judged(self, edges: Sequence[Ends]) -> list[Increments]:
         """Return the increments of edges with their covariances as judged; those that weren't yet are at once."""
         new = [ends for ends in edges if ends not in self._judged]
         if new:
             declared = [self._declared[ends] for ends in new]
-            whole = self._judging(EdgeIncrements.of(declared))
+            whole = self._judging(EdgeIncrements.of(declared), new)
             for k, (ends, own) in enumerate(zip(new, declared, strict=True)):
                 part = slice(*whole.starts[k : k + 2])
                 self._judged[ends] = Increments(own.stamps_ns, own.deltas, whole.covariances[part])
@@ -63,9 +72,9 @@ class ChainIncrements:
         self._parts, self._whole = parts, self._whole.first(known).followed_by(new)
         noise, judged = self._as_judged
         if noise == self.noise:
-            judged = judged.first(known).followed_by(self._judging(new))
+            judged = judged.first(known).followed_by(self._judging(new, edges[known:]))
         else:
-            judged = self._judging(self._whole)
+            judged = self._judging(self._whole, edges)
         self._as_judged = self.noise, judged
         return judged
 
@@ -83,7 +92,11 @@ class ChainIncrements:
             part = slice(*whole.starts[k : k + 2])
             self[ends] = Increments(own.stamps_ns, whole.deltas[part], whole.covariances[part])
 
-    def _judging(self, declared: EdgeIncrements) -> EdgeIncrements:
+    def _judging(self, declared: EdgeIncrements, edges: Sequence[Ends]) -> EdgeIncrements:
         if self.noise is AS_DECLARED:
             return declared
-        return replace(declared, covariances=self.noise.covariances(declared))
+        judged = self.noise.covariances(declared)
+        if self._settled:
+            settled = np.repeat([ends in self._settled for ends in edges], np.diff(declared.starts))
+            judged[settled] = declared.covariances[settled]
+        return replace(declared, covariances=judged)
