@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from topomap.core.errors import TopomapError
 from topomap.mapping.graph import TopoMap
-from topomap.mapping.optimisation import KEPT_SIGMAS
+from topomap.mapping.odometry.known import KEPT_SIGMAS
 from topomap.mapping.optimizer import Closures, Problem
 
 

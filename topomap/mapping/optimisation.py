@@ -16,6 +16,7 @@ from topomap.mapping.competition import BLIND, DEAD, Contest, compete
 from topomap.mapping.graph import TopoMap
 from topomap.mapping.odometry.calibration import calibration_state
 from topomap.mapping.odometry.increments import Calibration
+from topomap.mapping.odometry.known import KnownOdometer, honest
 from topomap.mapping.odometry.noise import OdometerNoise
 from topomap.mapping.optimizer import (
     ClosureEdge,
@@ -34,14 +35,6 @@ from topomap.mapping.sequential import SequentialConstraints
 from topomap.mapping.solve_due import LARGE, OptimisationSettings, SolveDue
 from topomap.vision.contracts import Aligner
 
-# places seen again tell nothing of the distance scale and would bend it (DESIGN.md): it is held at what was measured
-HELD = 1e-4
-# [log rotation scale, rad/m, log distance scale] what a kept calibration was found from isn't kept: it stays nearly as
-# it was found
-KEPT_SIGMAS = (0.01, 0.002, HELD)
-OTHER_SCALE = 0.01
-# [log distance scale] by which who goes on may read another way than who drove before: closures tell one scale beside
-# the other
 BACKEND = OptimizerSettings()
 STRETCH = 200  # odometry edges that are solved in between in a large map: up to 200 m
 
@@ -66,8 +59,7 @@ class Optimisation:
         self._heard = 0  # closures that the last solve of all was asked of
         self.solves = 0
         self.contest: Contest | None = None
-        self._known: Calibration | None = None  # of a loaded map's odometer,
-        self._others = 0  # which drove so many edges; the one that goes on may be another
+        self._known = KnownOdometer()
 
     def __getstate__(self) -> dict[str, object]:
         """Return what a copy takes along: what is being solved can't be copied, and is due anew there."""
@@ -83,7 +75,7 @@ class Optimisation:
 
         What this drive finds of its odometer leaves the edges of those before as they are.
         """
-        self._known, self._others = self._map.calibration, len(self._map.chain) - 1
+        self._known = KnownOdometer(self._map.calibration, len(self._map.chain) - 1)
         self._map.settle()
         self._due.recall(len(self._map.nodes))
         self._closures.recall()
@@ -113,7 +105,7 @@ class Optimisation:
         self.solve(stamp_ns, ledger)
         problem = replace(self._problem(), closures=self._closures.standing())
         scanned = self.sequential.scanned
-        dead_reckoning = self._map.dead_reckoning() if self._known is None else None
+        dead_reckoning = self._map.dead_reckoning() if self._known.before is None else None
         self.contest = compete(problem, dead_reckoning, scanned, BACKEND)
         if self.contest.kept == BLIND:
             self._map.weigh(scanned)
@@ -180,10 +172,10 @@ class Optimisation:
 
     def _apply(self, stamp_ns: int, ledger: Ledger, solution: Solution) -> tuple[bool, list[Decision]]:
         self.solves += 1
-        self._covariance = self._honest(solution.calibration_covariance)
+        self._covariance = honest(solution.calibration_covariance, self.sequential.distance_scale)
         if not solution.improved:
             return False, []
-        self._map.move(solution.poses, solution.calibration, self._others)
+        self._map.move(solution.poses, solution.calibration, self._known.edges)
         return True, self._closures.review(stamp_ns, ledger, range(self._heard), solution.closure_weights)
 
     def _solving_stretch(self) -> Slices[tuple[Recent, list[int]]]:
@@ -243,23 +235,6 @@ class Optimisation:
             Closures.of(self._closures.edges),
             tuple(self.sequential.turns),
             self._map.calibration,
-            *self._prior(),
-            others=np.arange(len(edges)) < self._others if self._others else None,
+            *self._known.prior(self.sequential.distance_scale),
+            others=self._known.others(len(edges)),
         )
-
-    def _prior(self) -> tuple[Calibration, tuple[float, float, float]]:
-        """Return what is known of this drive's odometer, and its sigmas as `Problem` has them."""
-        scale = self.sequential.distance_scale
-        if self._known is None:
-            return Calibration(distance_scale=scale.value), (PRIOR_SIGMAS[0], PRIOR_SIGMAS[1], HELD)
-        if scale.observed:
-            return replace(self._known, distance_scale=scale.value), KEPT_SIGMAS
-        return self._known, (KEPT_SIGMAS[0], KEPT_SIGMAS[1], OTHER_SCALE)
-
-    def _honest(self, covariance: FloatArray) -> FloatArray:
-        """Return the covariance (3, 3) of a solution; the distance scale was held and is as unknown as before."""
-        scale = self.sequential.distance_scale
-        honest = covariance.copy()
-        honest[2, :], honest[:, 2] = 0.0, 0.0
-        honest[2, 2] = (scale.sigma / scale.value if scale.observed else PRIOR_SIGMAS[2]) ** 2
-        return honest

@@ -16,7 +16,7 @@ from topomap.mapping.closures.drive import Drive
 from topomap.mapping.experience import Experience
 from topomap.mapping.graph import BETWEEN_DRIVES_NS, Node, TopoMap
 from topomap.mapping.odometry.increments import Calibration, EdgeIncrements, Increments
-from topomap.mapping.optimisation import KEPT_SIGMAS
+from topomap.mapping.odometry.known import KEPT_SIGMAS
 from topomap.mapping.optimizer import OdometryEdge, OdometryEdges, TurnEdge
 from topomap.mapping.optimizer.problem import ClosureEdge
 from topomap.mapping.pose_graph import gap_covariance
