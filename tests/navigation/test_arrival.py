@@ -35,6 +35,17 @@ def test_a_curve_that_rests_low_is_reached() -> None:
     assert steps_to_arrive([0.9, 0.5, 0.28] + [0.285] * 10) == 8
 
 
+def test_what_one_look_of_a_turn_on_the_spot_shows_is_no_minimum() -> None:
+    """The bars that hold a mirror turn with the robot: at one heading in three they lie on the goal's, and the views
+    are much alike, for that look alone. Who believes to be at the goal counts its looks all the same."""
+    arrival = Arrival()
+    assert not arrival.update(0.66)
+    dip = [0.67, 0.66, 0.68, 0.465, 0.67, 0.68, 0.66, 0.67, 0.68, 0.67]
+    assert not any(arrival.update(one, moved=False, counts=True) for one in dip)
+    lasting = [0.67, 0.465, 0.46, 0.465, 0.47, 0.465, 0.47, 0.465, 0.47]
+    assert any(arrival.update(one, moved=False, counts=True) for one in lasting), "the place looks so from here"
+
+
 GOAL = Pose2(5.0, 2.0, 1.0)
 
 

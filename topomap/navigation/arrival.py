@@ -27,19 +27,24 @@ class Arrival:
     def __init__(self, rise_steps: int = RISE_STEPS, rest_steps: int = REST_STEPS) -> None:
         self._rise_steps, self._rest_steps = rise_steps, rest_steps
         self._minimum = float("inf")
+        self._last = float("inf")
         self._rising = 0
         self.since_minimum = 0
 
-    def update(self, difference: float, moved: bool = True) -> bool:
+    def update(self, difference: float, moved: bool = True, counts: bool | None = None) -> bool:
         """Take the difference of this step; return whether the milestone is reached.
 
-        moved: the robot has come on since the last step; where it hasn't, nothing can be passed.
+        moved: the robot has come on since the last step, and not but turned: a turn brings it no nearer, so that what
+        one look of it shows alone is no minimum. counts: the milestone may be passed by this step; left out, as moved.
         """
-        if difference < self._minimum:
-            self._minimum, self.since_minimum = difference, 0
-        elif moved:
+        counts = moved if counts is None else counts
+        lowest = difference if moved else max(difference, self._last)
+        self._last = difference
+        if lowest < self._minimum:
+            self._minimum, self.since_minimum = lowest, 0
+        elif counts:
             self.since_minimum += 1
-        if moved:
+        if counts:
             rising = difference > RISE * self._minimum
             self._rising = self._rising + 1 if rising else 0
         over = self._rising >= self._rise_steps or self.since_minimum >= self._rest_steps

@@ -72,7 +72,8 @@ class Homeward:
         unsure = now.where.lost >= UNSURE
         if not unsure:
             sight.expect(wrap(now.where.pose.heading - now.mapper.map.pose(sight.node).heading))
-        look = sight.look(now.senses.panorama, self._homing, unsure, self._counts(j, sight, now))
+        moved = sight.has_moved(now.mapper.track.raw)
+        look = sight.look(now.senses.panorama, self._homing, unsure, moved, moved or self._counts(j, sight, now))
         travel = replace(travel, home=look.home, difference=look.difference)
         if j.last_leg:
             j.sought += j.course.left < DOCK
@@ -93,10 +94,9 @@ class Homeward:
 
     @staticmethod
     def _counts(j: Journey, sight: Sight, now: Now) -> bool:
-        """Return whether a look can tell that the milestone is passed: the goal isn't by who turns on the spot and is
-        believed not to be there yet."""
-        moved = sight.has_moved(now.mapper.track.raw)
-        return moved or not j.last_leg or now.where.pose.distance(now.mapper.map.pose(sight.node)) < PASSED
+        """Return whether a look of who turns on the spot can tell that the milestone is passed: the goal only where the
+        robot is believed to be there."""
+        return not j.last_leg or now.where.pose.distance(now.mapper.map.pose(sight.node)) < PASSED
 
     def _aims(self, j: Journey, now: Now, bearing: float) -> list[tuple[float, float]]:
         """Return points of the course ahead in the robot's frame, turned as the bearing is against the first's."""

@@ -77,11 +77,13 @@ class Sight:
             self._looked_from = here
         return moved
 
-    def look(self, panorama: Panorama, homing: AlignedHoming, wide: bool = True, moved: bool = True) -> Look:
+    def look(
+        self, panorama: Panorama, homing: AlignedHoming, wide: bool = True, moved: bool = True,
+        counts: bool | None = None,
+    ) -> Look:  # fmt: skip
         """Return what is seen of the milestone now.
 
-        wide: any rotation is looked at, not those near the tracked one; moved: the robot has come on since the last
-        look.
+        wide: any rotation is looked at, not those near the tracked one; moved, counts: as `Arrival.update` has them.
         """
         self.looks += 1
         found = homing.align(panorama, self.view, self.rotation)
@@ -93,13 +95,14 @@ class Sight:
             less = aligned_difference(panorama, self.view, other.rotation)
             if less < min(KNOWN, difference):
                 found, difference, turned = other, less, True
-        return self._told(found, difference, turned, moved)
+        there = self.arrival.update(difference, moved, counts)
+        return self._told(found, difference, turned, there)
 
-    def _told(self, found: Alignment, difference: float, turned: bool, moved: bool) -> Look:
+    def _told(self, found: Alignment, difference: float, turned: bool, there: bool) -> Look:
         self.rotation = found.rotation
         self.least = min(self.least, difference)
         home = found.home or HomeVector(0.0, None, 0.0)
-        return Look(home, difference, found.rotation, self.arrival.update(difference, moved), turned)
+        return Look(home, difference, found.rotation, there, turned)
 
     def _elsewhere(self, panorama: Panorama, rotation: float) -> float | None:
         """Return a rotation far from the tracked one at which the views are clearly more alike, if there is one."""
