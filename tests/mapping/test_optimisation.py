@@ -218,4 +218,5 @@ def test_a_loaded_map_keeps_its_measured_turns_and_how_its_odometry_was_judged()
     after = [way.covariances.tolist() for _, _, way in topo.odometry_edges()]
     assert after[:16] == before
     assert after[16] != before[15]
-    assert [way.tolist() for way in np.split(topo.odometry().increments.covariances, 29)] == after
+    for _ in range(2):  # the second time there is nothing new in it
+        assert [way.tolist() for way in np.split(topo.odometry().increments.covariances, 29)] == after

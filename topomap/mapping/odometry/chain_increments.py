@@ -97,6 +97,6 @@ class ChainIncrements:
             return declared
         judged = self.noise.covariances(declared)
         if self._settled:
-            settled = np.repeat([ends in self._settled for ends in edges], np.diff(declared.starts))
+            settled = np.repeat(np.array([ends in self._settled for ends in edges], bool), np.diff(declared.starts))
             judged[settled] = declared.covariances[settled]
         return replace(declared, covariances=judged)

@@ -37,8 +37,13 @@ LIT_SHARE = 0.8
 """... by so many rays, of those that showed the step before: from one step to the next 0.77 to 1 in 99 of 100, people
 included. Carried on by 4.4 m along a wall of `hall` the wall alone fits, 0.26 of the rays for 0.39."""
 QUICKER = 2.0
-"""Times the quickest turn of a step so far, beyond which a turn that no view shows is the odometer's and no frame that
-the camera repeats: a corner begins with 0.009, 0.03, 0.064, 0.086 rad a step, odometry that errs by 0.3 rad reads 1."""
+"""Times the quickest turn so far, or BRISK, beyond which a turn that no view shows is the odometer's and no frame that
+the camera repeats: odometry that errs by 0.3 rad a step of 0.25 s reads 4 rad/s."""
+BRISK = 0.6
+"""[rad/s] A turn that any robot may make though it hasn't so far: a corner begins with 0.04, 0.12, 0.26, 0.34, and a
+reading after missing frames spans several steps of it."""
+SHORTEST = 0.01
+"""[s] A driver may say that a step took no time at all."""
 SEEN_WAY, SEEN_TURN = 0.05, math.radians(3.0)
 """[m], [rad] Error of a step restated by what is usual and by the view; undisturbed, a view's turn is at most 2.8
 degrees off the odometry's in four worlds, up to 4.9 (sd 1.5) between walls a metre off, and much the same in the next
@@ -59,7 +64,7 @@ class OdometryWatch:
         self._previous: Panorama | None = None
         self._earlier: tuple[Panorama, Pose2] | None = None  # the view before that, and the step from it as read
         self._usual = UsualChange()
-        self._quickest = 0.0  # the quickest turn of a step so far [rad]
+        self._quickest = 0.0  # the quickest turn so far [rad/s]
         self._dead = self._spinning = 0
         self._owed = 0.0, 0.0  # way [m] and turn [rad] while the camera repeated its frame: the next view shows them
         self._leaps = Leaps(MEMORY)
@@ -94,7 +99,7 @@ class OdometryWatch:
         driven = abs(motion.forward) + abs(motion.left)
         way = driven + TURN_WAY * abs(motion.turn)
         unturned = view_change(panorama, previous, 0.0)
-        repeated = unturned[0] < UNMOVED * self._usual.change and abs(motion.turn) <= QUICKER * self._quickest
+        repeated = unturned[0] < UNMOVED * self._usual.change and self._may_turn(motion)
         self._owed = (owed_way + way, owed_turn + float(motion.turn)) if repeated else (0.0, 0.0)
         if repeated:  # it shows nothing of the step, so that it announces nothing either
             change, whole = unturned
@@ -124,8 +129,12 @@ class OdometryWatch:
         if way > self._usual.still and not self._spinning and change < TIMES * max(self._usual.change, LEAST):
             self._usual.learn(change, structure, way + owed_way)
             self._leaps.learn(driven, motion.dt)
-            self._quickest = max(self._quickest, abs(float(motion.turn)))
+            self._quickest = max(self._quickest, abs(float(motion.turn)) / max(float(motion.dt), SHORTEST))
         return ended
+
+    def _may_turn(self, motion: MotionReading) -> bool:
+        """Return whether the robot may have turned as the odometry reads."""
+        return abs(float(motion.turn)) <= QUICKER * max(self._quickest, BRISK) * max(float(motion.dt), SHORTEST)
 
     def _restate(self, panorama: Panorama, read: Motion, turn: float, leapt: bool, turned: bool, moves: bool) -> None:
         """Take the step as what is seen has it, where the odometry's can't be true; turn: by the views [rad], asked
