@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from itertools import pairwise
 
 import networkx as nx
@@ -14,6 +15,7 @@ from topomap.core.encoded import encode
 from topomap.core.geometry import Pose2
 from topomap.mapping.graph import Node, Snapshot, TopoMap
 from topomap.mapping.mapfile import from_bytes, to_bytes
+from topomap.mapping.odometry.increments import Increments
 from topomap.mapping.optimizer.problem import ClosureEdge
 from topomap.mapping.sessions.prune import prune
 from topomap.mapping.sessions.rebuild import only
@@ -40,6 +42,11 @@ def laps(count: int, places: int = STEPS, closed: bool = True) -> TopoMap:
     return topo
 
 
+def spread(way: Increments, step: float) -> Increments:
+    """The same turns with steps of another length [m]."""
+    return replace(way, deltas=way.deltas * [step / 0.1, 1.0, 1.0])
+
+
 def test_laps_on_known_ground_are_left_out() -> None:
     topo = laps(1)
     for count in (2, 4):
@@ -47,6 +54,20 @@ def test_laps_on_known_ground_are_left_out() -> None:
         assert len(pruned.nodes) - len(topo.nodes) <= 1, "the closure that ends the first lap"
     size = len(to_bytes(prune(laps(4)).map)) / len(to_bytes(prune(laps(2)).map))
     assert size < 1.02
+
+
+def test_a_lap_whose_views_lie_midway_between_those_of_the_first_is_left_out() -> None:
+    """A metre and the step that fills it lie between snapshots: 0.55 m is half of that, and the map grew by it."""
+    topo, places = TopoMap(), 40
+    for k in range(4 * places):
+        way = increments(5 * (k - 1), 5, math.tau / places / 10) if k else None
+        before, seen = k < 2 * places, k % 2 == 0 if k < 2 * places else k % 2 == 1
+        shown = view((k % (2 * places)) // 2) if seen else None
+        topo.add(Node(5 * k * 250_000_000, 0.55 * k, shown), spread(way, 0.11) if way else None)
+        if not before and k % 4 == 0:
+            topo.close(ClosureEdge(k - 2 * places, k, Pose2(), SPOT))
+    pruned = prune(topo).map
+    assert sum(node.snapshot is not None for node in pruned.nodes) <= places + 1
 
 
 def test_numbers_poses_and_places_stay() -> None:

@@ -13,8 +13,9 @@ from topomap.mapping.places.view_cache import ViewCache
 from topomap.mapping.sessions.rebuild import only
 from topomap.vision.image.compare import rotation_difference, signature
 
-NEAR = 0.5
-"""[m] Snapshots are at most 1 m apart on the way: nobody on it is farther from one than half of that."""
+NEAR = 0.6
+"""[m] Snapshots are kept once 1 m is full, which is up to 1.13 m on the way in `hall`: nobody on it is farther from one
+than half of that, and a little aside."""
 ALIKE = 0.8
 """A view that differs less (rms of z-normalised views, any rotation) isn't worth a snapshot: the rule that keeps them
 asks for more."""
