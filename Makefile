@@ -63,6 +63,7 @@ results: $(VENV)/.test ## the figures of docs/results, docs/THESIS.md and docs/R
 		--every 1 --every 2 --every 4 $(KEEP)/drives.csv || exit 1; done
 	$(BIN)/topomap $(WEATHER) --out runs/real-weather
 	$(call KEEP_SWEEP,$(WEATHER),real-weather)
+	cp runs/real-weather/matrix.png docs/results/real-weather.png
 	$(BIN)/topomap $(STRENGTH) --out runs/real-weather-strength
 	$(call KEEP_SWEEP,$(STRENGTH),real-weather-strength)
 	cp runs/real-weather-strength/matrix.png docs/results/real-weather-strength.png

@@ -136,7 +136,7 @@ class GrowthTask:
 
 
 def _pruned(driven: Driven, file: Path) -> Driven:
-    """Return a map without what adds nothing, saved and loaded again; numbers that went are given to others later."""
+    """Return a map without what adds nothing, saved and loaded again, with the truths of what is left."""
     save_map(prune(driven.map).map, file)
     topo = load_map(file)
     return replace(driven, map=topo, truths={name: driven.truths[name] for name in topo.names})
