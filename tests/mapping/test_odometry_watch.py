@@ -240,6 +240,38 @@ def test_a_slip_takes_no_turn_away_that_ranges_confirm(times: float) -> None:
     assert set(between_looks) == {None}
 
 
+@cache
+def amid_people(world: str, seed: int, steps: int, beside: int) -> list[SimReading]:
+    words = ["sim.driver.lateral_offset=0.2", f"sim.people={{extra=6,beside={beside}}}"]
+    robot = SimRobot(worlds.load(world), load_config(None, words).sim, seed)
+    return [reading for _ in range(steps) if (reading := robot.sense()) is not None]
+
+
+@pytest.mark.parametrize(("world", "seed"), [("office-loop", 0), ("office-loop", 3), ("hall", 3)])
+def test_people_who_walk_along_with_the_robot_are_no_slip(world: str, seed: int) -> None:
+    """Ranges and most of the view stand still: half a metre a look was taken back, 8.9 m of a map in all."""
+    assert watched(amid_people(world, seed, 130, 6))[:2] == ([], [])
+
+
+@pytest.mark.parametrize("beside", [0, 6])
+def test_wheels_that_spin_amid_people_are_noticed(beside: int) -> None:
+    words = ["sim.driver.laps=0.3", f"sim.people={{extra=20,beside={beside}}}"]
+    robot = SimRobot(worlds.load("hall"), load_config(None, words).sim, 1)
+    readings, forward = [], 0.1
+    while len(readings) < 175:
+        reading = robot.sense()
+        assert reading is not None
+        if reading.driven:
+            forward = reading.motion.forward
+        else:
+            reading = moved(reading, forward=forward)
+            robot.act(Command(0.0, 0.0))
+        readings.append(reading)
+    broken, mended, _ = watched(readings)
+    assert broken == []
+    assert mended
+
+
 @pytest.mark.parametrize("along", [134, 195, 2504])
 def test_things_along_a_narrow_corridor_are_no_slip(along: int) -> None:
     robot = SimRobot(worlds.load("campus"), load_config(None, [f"sim.start.along={along}"]).sim, 0)

@@ -25,6 +25,8 @@ EXPLAINED = 0.3
 looks; 0.48 in a round room whose ranges had the turn 6 degrees wrong, and the place then was."""
 SECTORS = 15
 """Parts of the view that are compared one by one: people who pass change a third of them, being carried away all."""
+MOVED_CLEARLY, MOVED_MOST = 1.5, 0.4
+"""Times that a sector differs more by one way than by another, and difference by the other, by which it tells."""
 
 
 def seen_way(before: Panorama, now: Panorama, pose: Pose2, along: FloatArray, read: float, usual: float) -> float:
@@ -53,10 +55,26 @@ def _differences(before: Panorama, now: Panorama, turn: float, places: FloatArra
     From half as far a view is predicted well, and what the two get wrong is as wrong ahead of the one as behind the
     other: neither draws the likeliest place near.
     """
+    return np.asarray(np.median(_by_sector(before, now, turn, places), axis=1))
+
+
+def _by_sector(before: Panorama, now: Panorama, turn: float, places: FloatArray) -> FloatArray:
+    """Return the same (D, SECTORS) for each sector."""
     c, s = np.cos(turn), np.sin(turn)
     back = -places @ np.array([[c, -s], [s, c]])  # from where it is now, looking where it looks now
     views = predicted(now, back / 2)
     spectra = np.fft.rfft(views, axis=2) * np.exp(-1j * turn * np.arange(views.shape[2] // 2 + 1))
     turned = np.fft.irfft(spectra, n=views.shape[2], axis=2)
     squares = np.square(predicted(before, places / 2) - turned).mean(axis=1)
-    return np.sqrt(np.median(sector_means(squares, SECTORS), axis=1))
+    return np.sqrt(sector_means(squares, SECTORS))
+
+
+def parts_moved(before: Panorama, now: Panorama, read: Pose2, shown: Pose2) -> int:
+    """Return in how many sectors the views are clearly those of a robot that went as it `read`, not as `shown`.
+
+    read, shown: of `now` seen from `before`. before, now: with ranges.
+    """
+    by_read, by_shown = (
+        _by_sector(before, now, pose.heading, pose.array()[np.newaxis, :2])[0] for pose in (read, shown)
+    )
+    return int(np.sum((by_read < MOVED_MOST) & (by_shown > MOVED_CLEARLY * by_read)))
