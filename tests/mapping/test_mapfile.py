@@ -111,7 +111,7 @@ def changed(meta: dict[str, object] | None = None, **arrays: object) -> bytes:
 
 NAN = np.full((17, 3), np.nan)
 CRAFTED: dict[str, tuple[bytes, str]] = {
-    "newer": (changed({"format": 9, "writer": "topomap 7.1"}), r"map format 9, written by topomap 7\.1; .* 1 to 4"),
+    "newer": (changed({"format": 9, "writer": "topomap 7.1"}), r"map format 9, written by topomap 7\.1; .* 1 to 5"),
     "no format": (changed({"format": "x"}), "doesn't say which format"),
     "poses that are no numbers": (changed(poses=NAN), "expected numbers in poses"),
     "poses of other nodes": (changed(poses=np.zeros((16, 3))), "expected poses for 17 nodes"),
@@ -129,6 +129,19 @@ CRAFTED: dict[str, tuple[bytes, str]] = {
     "a place that isn't": (changed({"places": {"desk": 99}}), "places at nodes that there are"),
     "a rig as wide as the sea": (changed({"rigs": [asdict(RIG) | {"width": 10**9}]}), "a rig's width"),
     "a rig without end": (changed({"rigs": [asdict(RIG) | {"focal": float("inf")}]}), "a rig that is numbers"),
+    "parts that the robot hides beyond all": (
+        changed({"rigs": [asdict(RIG) | {"hidden": [[1.0, 7.0]]}]}),
+        "hidden parts within a turn",
+    ),
+    "parts that the robot hides of words": (
+        changed({"rigs": [asdict(RIG) | {"hidden": [["a", "b"]]}]}),
+        "hidden parts within a turn",
+    ),
+    "a part that the robot hides without an end": (
+        changed({"rigs": [asdict(RIG) | {"hidden": [[1.0]]}]}),
+        "not enough values",
+    ),
+    "parts that the robot hides as a number": (changed({"rigs": [asdict(RIG) | {"hidden": 3}]}), "not iterable"),
     "a calibration of nothing": (
         changed({"calibration": {"rotation_scale": 0.0, "curvature": 0.0, "distance_scale": 1.0}}),
         "scales near 1",

@@ -339,7 +339,7 @@ def test_the_track_and_the_map_are_cut_and_moved_as_before() -> None:
     topo.weigh([TurnEdge(0, 1, 0.1, 0.01)])
     assert (before, len(topo.turns)) == (0, 1)
     with pytest.raises(ValueError, match="pose node"):
-        topo.lean(topo.insert(topo.nodes[3].stamp_ns + STEP_NS), 0.1, 0.1)
+        topo.restate(topo.insert(topo.nodes[3].stamp_ns + STEP_NS), 0.1, 0.1, ())
     as_before("odometry track", {"told": told})
 
 

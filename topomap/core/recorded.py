@@ -12,12 +12,16 @@ from topomap.core.errors import ShapeError
 from topomap.core.geometry import TAU
 from topomap.core.robot import MotionReading, RigReading
 
+Spans = tuple[tuple[float, float], ...]
+"""Parts of a view: the bearing of each one's right edge, and how far it reaches to the left [rad]."""
+
 
 @dataclass(frozen=True, slots=True)
 class RecordedRig:
     """How recorded panoramas were taken; fits `topomap.core.robot.RigReading`, which says what the fields mean.
 
-    roll: to the right, pitch: forward [rad]: how the camera leant, as was found in its views.
+    roll: to the right, pitch: forward [rad]: how the camera leant, as was found in its views; hidden: what the robot
+    itself hid of them.
     """
 
     width: int
@@ -29,6 +33,7 @@ class RecordedRig:
     clockwise: bool
     roll: float = 0.0
     pitch: float = 0.0
+    hidden: Spans = ()
 
     @staticmethod
     def of(rig: RigReading) -> RecordedRig:

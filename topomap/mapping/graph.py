@@ -12,6 +12,7 @@ import numpy as np
 
 from topomap.core.arrays import FloatArray, IntArray
 from topomap.core.geometry import Pose2, between, compose, wrap_all
+from topomap.core.recorded import Spans
 from topomap.mapping.experience import Experience
 from topomap.mapping.graph_hash import Hashed, graph_hash, topology_hash
 from topomap.mapping.nodes import Node as Node
@@ -153,12 +154,12 @@ class TopoMap:
         self.poses[nodes] = poses
         self._lay(since)
 
-    def lean(self, node: int, roll: float, pitch: float) -> None:
-        """Let a snapshot's camera have leant so [rad]. Raises ValueError for a node without one."""
+    def restate(self, node: int, roll: float, pitch: float, hidden: Spans) -> None:
+        """Let a snapshot's camera have leant so [rad] and this be hidden. Raises ValueError for a node without one."""
         held = self.nodes[node]
         if held.snapshot is None:
             raise ValueError(f"node {node} is a pose node without a view")
-        rig = replace(held.snapshot.rig, roll=roll, pitch=pitch)
+        rig = replace(held.snapshot.rig, roll=roll, pitch=pitch, hidden=hidden)
         self.nodes[node] = replace(held, snapshot=replace(held.snapshot, rig=rig))
 
     def judge(self, noise: OdometerNoise) -> None:

@@ -87,12 +87,12 @@ class Mapper:
             if self.map.nodes[node].snapshot is not None:
                 self.recognition.recall(node, self.map.nodes[node].travel, self.view_cache.panorama(node))
 
-    def seen(self, panorama: Panorama) -> Panorama:
-        """Return a view as the map keeps views, upright: what place search, compass and homing compare.
+    def seen(self, panorama: Panorama, turn: float) -> Panorama:
+        """Return a view as the map keeps views, upright and whole: what place search, compass and homing compare.
 
-        To be asked once for each reading, before `update`.
+        turn: since the last one, by the odometry [rad]. To be asked once for each reading, before `update`.
         """
-        seen = self._views.see(panorama)
+        seen = self._views.see(panorama, turn)
         if self._views.restated:
             self._restate()
         return seen
@@ -103,12 +103,12 @@ class Mapper:
         return self._views.mount
 
     @property
-    def restated_lean(self) -> str:
-        """What was newly found of the camera's lean by the last view, in plain words, "" for nothing."""
+    def restated_camera(self) -> str:
+        """What was newly found of the camera by the last view, in plain words, "" for nothing."""
         return self._views.said
 
     def _restate(self) -> None:
-        """Take what was seen in this drive for what it is, now that the camera's lean is known better."""
+        """Take what was seen in this drive for what it is, now that the camera is known better."""
         for node, view in self._views.restate():
             self.recognition.restate(node, view)
         if self._previous is not None:

@@ -72,7 +72,7 @@ class Navigator:
     def step(self, reading: Reading) -> tuple[Command, StepRecord]:
         """Take one reading through all stages; return the command and the record of the step."""
         watch = Stopwatch()
-        panorama = self.mapper.seen(Panorama.from_reading(reading))
+        panorama = self.mapper.seen(Panorama.from_reading(reading), float(reading.motion.turn))
         watch.lap("panorama")
         reading = self._odometry.checked(reading, panorama, self._command, self.mapper.map.calibration)
         change = self.mapper.update(reading, panorama)
@@ -86,7 +86,7 @@ class Navigator:
             command, travel = self._course.step(panorama, where.pose, self.mapper.track.raw)
         else:
             command, travel = self._travel(senses, where, goal)
-        for event in (senses.health.event, self.mapper.restated_lean):
+        for event in (senses.health.event, self.mapper.restated_camera):
             travel = _with_event(travel, event)
         self._command = command
         self._sense_check.commanded(command)

@@ -9,6 +9,7 @@ import numpy as np
 
 from topomap.core.encoded import image_size
 from topomap.core.errors import DataError
+from topomap.core.geometry import TAU
 from topomap.core.recorded import RecordedRig
 from topomap.core.view_size import parse_view
 from topomap.mapping.graph import Node
@@ -47,14 +48,22 @@ def check_meta(meta: dict[str, Any]) -> None:
         raise ValueError(str(error)) from error
 
 
+def rig_of(members: dict[str, Any]) -> RecordedRig:
+    """Return a rig by its members in JSON. Raises TypeError where it isn't one."""
+    return RecordedRig(**members | {"hidden": tuple((start, extent) for start, extent in members.get("hidden", ()))})
+
+
 def _check_rig(rig: dict[str, Any]) -> None:
-    own = RecordedRig(**rig)
+    own = rig_of(rig)
     _must(type(own.width) is int and 1 < own.width <= WIDEST, "a rig's width in pixels")
     _must(type(own.height) is int and 0 < own.height <= HIGHEST, "a rig's height in pixels")
     _must(type(own.forward_column) is int and 0 <= own.forward_column < own.width, "a rig's forward column")
     _must(type(own.clockwise) is bool, "a rig's direction")
     _must(all(map(_number, (own.horizon_row, own.focal, own.camera_height))), "a rig that is numbers")
     _must(all(_number(lean) and abs(lean) < 1.0 for lean in (own.roll, own.pitch)), "a camera that leans by less")
+    _must(len(own.hidden) <= own.width, "fewer hidden parts than columns")
+    for span in own.hidden:
+        _must(all(_number(angle) and 0.0 <= angle <= TAU for angle in span), "hidden parts within a turn")
     _must(own.focal > 0 and abs(own.horizon_row) < 1e6, "a rig's focal length and horizon")
 
 

@@ -14,11 +14,10 @@ import numpy as np
 from topomap.core.errors import DataError
 from topomap.core.files import regular
 from topomap.core.geometry import Pose2
-from topomap.core.recorded import RecordedRig
 from topomap.mapping.experience import EdgeExperience, Experience
 from topomap.mapping.graph import Node, Snapshot, TopoMap
 from topomap.mapping.mapfile.archive import DAMAGED, Archive, Array
-from topomap.mapping.mapfile.checks import check_arrays, check_meta, check_views
+from topomap.mapping.mapfile.checks import check_arrays, check_meta, check_views, rig_of
 from topomap.mapping.mapfile.foreign import kind_of
 from topomap.mapping.mapfile.writer import FORMAT
 from topomap.mapping.odometry.increments import Calibration, Increments
@@ -129,7 +128,7 @@ def _arrays(archive: Archive, number: int) -> dict[str, Array]:
 
 
 def _nodes(arrays: dict[str, Array], meta: dict[str, Any]) -> Iterator[Node]:
-    rigs = [RecordedRig(**rig) for rig in meta["rigs"]]
+    rigs = [rig_of(rig) for rig in meta["rigs"]]
     images, ends = arrays["images"].tobytes(), [0, *arrays["image_ends"].tolist()]
     begin = 0
     rows = zip(arrays["stamps_ns"].tolist(), arrays["travel"].tolist(), meta["rig_of"], strict=True)

@@ -17,9 +17,9 @@ from topomap.mapping.graph import TopoMap
 from topomap.mapping.mapfile.archive import Array, pack
 from topomap.mapping.odometry.increments import Increments
 
-FORMAT, UPRIGHT = 4, 3
-"""What is written where a camera leans, and where none does. Format 1 kept no measured turns; format 2 no numbers of
-nodes, places or several drives; format 3 no leaning cameras."""
+FORMAT, LEANING, UPRIGHT = 5, 4, 3
+"""What is written where a robot hides a part of its view, where a camera leans, and where neither does. Format 1 kept
+no measured turns; format 2 no numbers of nodes, places or several drives; format 3 no leaning cameras."""
 
 
 def save_map(topo: TopoMap, path: Path | str) -> None:
@@ -92,7 +92,7 @@ def _meta(topo: TopoMap) -> dict[str, Any]:
     rigs = sorted({n.snapshot.rig for n in topo.nodes if n.snapshot}, key=repr)
     names = [rigs.index(n.snapshot.rig) if n.snapshot else -1 for n in topo.nodes]
     return {
-        "format": FORMAT if any(rig.roll or rig.pitch for rig in rigs) else UPRIGHT,
+        "format": _format(rigs),
         "writer": f"topomap {version('topomap')}",
         "calibration": asdict(topo.calibration),
         "rigs": [_rig(rig) for rig in rigs],
@@ -103,9 +103,17 @@ def _meta(topo: TopoMap) -> dict[str, Any]:
     }
 
 
+def _format(rigs: list[RecordedRig]) -> int:
+    if any(rig.hidden for rig in rigs):
+        return FORMAT
+    return LEANING if any(rig.roll or rig.pitch for rig in rigs) else UPRIGHT
+
+
 def _rig(rig: RecordedRig) -> dict[str, Any]:
-    """Return a rig's members; an upright one is written as it was before cameras leant."""
+    """Return a rig's members; an upright one that sees all is written as it was before others were known."""
     members = asdict(rig)
+    if not rig.hidden:
+        del members["hidden"]
     if not (rig.roll or rig.pitch):
         del members["roll"], members["pitch"]
     return members

@@ -31,12 +31,12 @@ class DriveViews:
 
     @property
     def restated(self) -> bool:
-        """Whether the last view changed what is known of the camera's lean, so that `restate` is due."""
+        """Whether the last view changed what is known of the camera, so that `restate` is due."""
         return self._upright.restated
 
     @property
     def said(self) -> str:
-        """What was newly found of the camera's lean by the last view, in plain words, "" for nothing."""
+        """What was newly found of the camera by the last view, in plain words, "" for nothing."""
         return self._upright.said
 
     @property
@@ -44,13 +44,16 @@ class DriveViews:
         """How the camera leans, None where too few views have shown it."""
         return self._upright.estimate
 
-    def see(self, raw: Panorama) -> Panorama:
-        """Return a view upright and as small as the map's are; to be asked once for each reading."""
-        self._last = self._upright.see(raw)
+    def see(self, raw: Panorama, turn: float) -> Panorama:
+        """Return a view upright, whole and as small as the map's are; to be asked once for each reading.
+
+        turn: since the one before, by the odometry [rad].
+        """
+        self._last = self._upright.see(raw, turn)
         return self._small(self._last)
 
     def restate(self) -> Iterator[tuple[int, Panorama]]:
-        """Take this drive's kept views anew as the camera is known to lean now; yield nodes and their views."""
+        """Take this drive's kept views anew as the camera is known now; yield nodes and their views."""
         nodes = self._upright.restate()
         for node in nodes:
             self.cache.drop(node)
@@ -73,7 +76,7 @@ class DriveViews:
         return Snapshot(reading.encoded, reading.ranges, self._upright.leaning(RecordedRig.of(reading.rig)))
 
     def keep(self, node: int, snapshot: Snapshot, reading: Reading, panorama: Panorama) -> None:
-        """Keep a node's view that is at hand, and remember how the camera leant."""
+        """Keep a node's view that is at hand, and remember how the camera was."""
         self._upright.keep(node, already=snapshot.encoded is not reading.encoded)
         self.cache.put(node, panorama)
         self.whole.put(node, self._last or panorama)

@@ -13,6 +13,7 @@ from topomap.core.panorama import Panorama
 from topomap.core.recorded import RecordedRig
 from topomap.core.view_size import ViewSize
 from topomap.mapping.graph import Snapshot
+from topomap.vision.occlusion.filled import filled
 from topomap.vision.tilt.lean import Lean
 from topomap.vision.tilt.upright import upright
 
@@ -42,10 +43,10 @@ def snapshot_of(panorama: Panorama) -> Snapshot:
 
 
 def view_of(snapshot: Snapshot, size: ViewSize | None) -> Panorama:
-    """Return a stored view, upright, made small if it isn't. Raises DataError for one that isn't an image."""
+    """Return a stored view, whole, upright, made small if it isn't. Raises DataError for one that isn't an image."""
     rig = snapshot.rig
     taken = Panorama.from_recorded(decode(snapshot.encoded), rig, snapshot.ranges)
-    whole = upright(taken, Lean(rig.roll, rig.pitch))
+    whole = upright(filled(taken, rig.hidden), Lean(rig.roll, rig.pitch))
     return whole if size is None else small_view(whole, size)
 
 
