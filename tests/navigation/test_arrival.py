@@ -81,6 +81,13 @@ def test_where_another_place_looks_more_alike_it_is_none() -> None:
     assert claimed(HERE, other=PlaceMatch(12, 0.05, 0.0), other_away=0.6) == ""
 
 
+def test_a_view_that_came_no_nearer_is_believed_beside_the_goal_alone() -> None:
+    """A goal .32 m beside the aisle that the robot drove along was claimed in a warehouse, believed .34 m away."""
+    beside = replace(HERE, pose=Pose2(5.34, 2.0, 1.3))
+    assert claimed(beside) == "" == claimed(replace(HERE, pose=Pose2(5.25, 2.0, 1.3)), passed=True)
+    assert "it is believed to be 0.3 m away" in claimed(beside, passed=True)
+
+
 def test_each_doubt_begins_at_its_bound() -> None:
     assert claimed(replace(HERE, lost=0.05)) != "" == claimed(replace(HERE, lost=0.0499))
     assert claimed(replace(HERE, pose=Pose2(5.6, 2.0, 1.3))) == ""

@@ -53,6 +53,10 @@ class Arrival:
 
 NEAR = 0.6
 """[m] Farthest that the believed pose may be from a goal that is reached: five sigmas of one corrected by sight."""
+PASSED = 0.25
+"""[m] The same where the view but passed its minimum: along an aisle of a warehouse that lies .32 m beside the goal.
+There it was believed .34 m away; in 17 arrivals of four worlds, amid people, by evening and in mild weather, .1 m at
+most, and in 59 of a patrol."""
 SURE = 0.05
 """Probability of being lost, or somewhere else, from which on no arrival is claimed: as sure as who was lost has to be
 to go on. Carried on by 5 m in `office-loop` and taken for turned by 180 degrees, which looks alike there, the robot was
@@ -67,7 +71,8 @@ TURNED = 0.5
 class Claim:
     """What an arrival rests on: the goal's pose, rotation [rad] and place difference of its view, the believed pose.
 
-    other: the node most like the view anywhere, with its distance [m] from the goal.
+    other: the node most like the view anywhere, with its distance [m] from the goal; passed: the view only came no
+    nearer to the goal's, it isn't the same.
     """
 
     goal: Pose2
@@ -76,6 +81,7 @@ class Claim:
     where: Where
     other: PlaceMatch | None = None
     other_away: float = 0.0
+    passed: bool = False
 
 
 def doubt(claim: Claim) -> str:
@@ -84,7 +90,7 @@ def doubt(claim: Claim) -> str:
     if where.lost >= SURE:
         return f"lost with a probability of {where.lost:.2f}"
     away = where.pose.distance(claim.goal)
-    if away > NEAR:
+    if away > (PASSED if claim.passed else NEAR):
         return f"it is believed to be {away:.1f} m away"
     rivals = sum(rival.weight for rival in where.rivals if rival.pose.distance(claim.goal) > ELSEWHERE)
     if rivals >= SURE:

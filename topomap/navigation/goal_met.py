@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from topomap.navigation.arrival import SURE, Arrival, Claim, doubt
+from topomap.navigation.arrival import SAME, SURE, Arrival, Claim, doubt
 from topomap.navigation.journey import Journey
 from topomap.navigation.senses import Now
 from topomap.navigation.sight import Look, Sight
@@ -37,4 +37,4 @@ def _claim(j: Journey, sight: Sight, look: Look, now: Now) -> Claim:
     topo, place = now.mapper.map, now.senses.place
     difference = rotation_difference(signature(now.senses.panorama), signature(sight.view))[0]
     away = 0.0 if place is None else topo.length(j.goal, place.node)
-    return Claim(topo.pose(j.goal), look.rotation, difference, now.where, place, away)
+    return Claim(topo.pose(j.goal), look.rotation, difference, now.where, place, away, look.difference >= SAME)
