@@ -186,6 +186,18 @@ def test_a_robot_that_somebody_turned_is_told_by_the_view() -> None:
     assert "which the odometry doesn't count" in found[0][1]
 
 
+@pytest.mark.parametrize(("turn", "stands_in"), [(0.0, False), (0.05, False), (1.0, True), (-0.6, True)])
+def test_a_leaps_turn_is_taken_from_the_view_only_where_that_contradicts_it(turn: float, stands_in: bool) -> None:
+    """A park's photographs showed 7 degrees more than there were, and the map was 2 m worse than dead reckoning."""
+    watch, at = OdometryWatch(), 40
+    for k, reading in enumerate(blind(taught(at + 1))):
+        leaps = changed(reading, 2.0, turn, 1.0) if k == at else reading
+        watch.judge(Panorama.from_reading(leaps), leaps.motion, CALIBRATED)
+    assert watch.seen is not None
+    assert watch.seen.ways is not None
+    assert (watch.seen.turns is not None) == stands_in
+
+
 def test_readings_that_were_left_out_are_no_leap() -> None:
     seen = taught(60)
     way, turn = (sum(getattr(r.motion, name) for r in seen[30:37]) for name in ("forward", "turn"))
