@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from topomap.core.arrays import BoolArray, FloatArray, IntArray
 from topomap.core.geometry import wrap_all
-from topomap.mapping.odometry.increments import Calibration
+from topomap.mapping.odometry.increments import Calibration, Preintegrated
 from topomap.mapping.optimizer.calibration_jacobian import calibration_jacobian
 from topomap.mapping.optimizer.problem import Problem
 from topomap.mapping.optimizer.residuals import (
@@ -102,7 +103,7 @@ class Objective:
         """
         if not len(self._turns):
             return np.zeros(0)
-        edges = self._edges.integrate(self.problem.calibration)
+        edges = self._by_problem
         place = np.zeros(len(self.problem.poses), np.int64)
         place[self.order] = np.arange(len(self.order))
         i, j = place[self._turn_pairs].T
@@ -118,7 +119,7 @@ class Objective:
     def chain(self) -> tuple[Chain, IntArray]:
         """Return the travelled chain by the problem's own estimate, and each node's (N,) place in it."""
         order = self.order
-        edges = self._edges.integrate(self.problem.calibration)
+        edges = self._by_problem
         covariance = np.diag(self.sigmas**2)
         chain = Chain.of(self.problem.poses[order], edges, self.problem.calibration, covariance)
         position = np.zeros(len(self.problem.poses), np.int64)
@@ -143,13 +144,17 @@ class Objective:
         )
 
     def _odometry(self, state: State) -> Residuals:
-        own = self._read_by(state.calibration, state.poses)
+        edges = self._edges.integrate(state.calibration)
+        own = odometry_residuals(state.poses, state.calibration, self.pairs, edges)
         if self.problem.others is None:
             return own
-        return own.with_others(self._read_by(self.problem.calibration, state.poses), self.problem.others)
+        known = odometry_residuals(state.poses, self.problem.calibration, self.pairs, self._by_problem)
+        return own.with_others(known, self.problem.others)
 
-    def _read_by(self, calibration: Calibration, poses: FloatArray) -> Residuals:
-        return odometry_residuals(poses, calibration, self.pairs, self._edges.integrate(calibration))
+    @cached_property
+    def _by_problem(self) -> Preintegrated:
+        """The odometry edges by the problem's own calibration."""
+        return self._edges.integrate(self.problem.calibration)
 
     def turn_weights(self, at: Linearised) -> FloatArray:
         """Return (T,) what each measured turn counts: 1 where it fits, less the further it is off."""
