@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 
 import cv2
@@ -74,6 +75,18 @@ def test_it_travels_on_a_saved_map_and_the_log_replays(taught: Path, tmp_path: P
     assert home["within_0_3_m"], "judged by where the saved node truly is"
     done = call("replay", tmp_path / "desk" / "run.mcap", "--out", tmp_path / "again")
     assert "The graph hash is the run's." in done.output
+
+
+def test_a_map_whose_truth_nobody_kept_is_travelled_on_without_being_judged(taught: Path, tmp_path: Path) -> None:
+    """A map file that was copied alone: where its nodes truly are isn't known, and the run ended in a traceback."""
+    alone = tmp_path / "alone.topomap"
+    shutil.copy(taught, alone)
+    summary = run(tmp_path / "desk", "--map", alone, "--mission", "goto:desk", "--start", 0, "--seed", 1)
+    home = summary["home"]
+    assert isinstance(home, dict)
+    assert (home["claimed"], home["within_0_3_m"], home["error_m"]) == (True, None, None)
+    assert home["path_ratio"] is None
+    assert home["shortest_ratio"] is None
 
 
 def test_a_patrol_has_the_time_that_its_ways_take(

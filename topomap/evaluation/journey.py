@@ -147,8 +147,8 @@ def _ratio(run: RunData, leg: Leg) -> float | None:
 
 def _shortest_ratio(run: RunData, leg: Leg) -> float | None:
     route = _reference(run, leg)
-    if run.truth is None or route is None or not np.isfinite(run.truth[:, :2]).all():
-        return None
+    if run.truth is None or route is None or not np.isfinite(np.concatenate([run.truth[:, :2], route])).all():
+        return None  # of nodes that another drive kept the truth may be unknown
     shortest = shortest_way(run.plan, run.truth[:, :2], route[0], route[-1])
     return _way(run.truth, leg) / shortest if shortest else None
 
