@@ -269,19 +269,17 @@ def test_people_who_walk_along_with_the_robot_are_no_slip(world: str, seed: int)
 def test_wheels_that_spin_amid_people_are_noticed(beside: int) -> None:
     words = ["sim.driver.laps=0.3", f"sim.people={{extra=20,beside={beside}}}"]
     robot = SimRobot(worlds.load("hall"), load_config(None, words).sim, 1)
-    readings, forward = [], 0.1
+    readings = []
     while len(readings) < 175:
         reading = robot.sense()
         assert reading is not None
-        if reading.driven:
-            forward = reading.motion.forward
-        else:
-            reading = moved(reading, forward=forward)
+        if not reading.driven:
+            reading = moved(reading, forward=0.1)
             robot.act(Command(0.0, 0.0))
         readings.append(reading)
     broken, mended, _ = watched(readings)
-    assert broken == []
-    assert mended
+    assert all("spun" in words for _, words in broken)
+    assert any("untrue" in words for _, words in mended)
 
 
 @pytest.mark.parametrize("along", [134, 195, 2504])

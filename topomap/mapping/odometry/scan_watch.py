@@ -36,6 +36,9 @@ half a metre back; with wheels that spin amid people one of 264."""
 COMPANY, IN_A_ROW = 20, 3
 """Looks for which somebody is reckoned with after that, 10 m: the robot stands only if so many in a row have no such
 sector. By 2 % of those 165 looks there is none, by 98 % of the 264."""
+STANDS, TWICE = 0.3, 2
+"""Share of the usual way below which ranges show a standing robot, and looks in a row that have to, without company:
+between bare walls nobody's view moves. What was counted meanwhile is taken back with the last."""
 EXACT, EXACT_TURN = 0.05, math.radians(1.0)
 """[m], [rad] Greatest errors of what is believed: along bare corridors ranges don't tell the way, but views do."""
 
@@ -57,6 +60,16 @@ class ScanWatch:
         self._stands = 0  # looks in a row by which nothing moved
         self._slack = Pose2()  # where the ranges showed the robot at the last look, seen from where it was believed
         self._restart(None)
+
+    @property
+    def pending(self) -> bool:
+        """Whether ranges showed a robot that stands, not yet often enough."""
+        return self._stands > 0 and not self.untrue
+
+    @property
+    def accompanied(self) -> bool:
+        """Whether somebody went along with the robot lately, so that most of the view may stand still."""
+        return self._accompanied > 0
 
     def _restart(self, panorama: Panorama | None) -> None:
         self._view, self._read, self._believed = panorama, Pose2(), Pose2()
@@ -87,10 +100,14 @@ class ScanWatch:
         if panorama.ranges is None or self._steps < STEPS:
             return None
         found = self._found(self._view, panorama, usual)
-        if found is not None and self._goes_along(found, self._view, panorama):
-            found, self.untrue, self.turn_untrue = None, False, False
         self.sees = found is not None
-        seen = self._judge(found)
+        if found is not None and self._goes_along(found, self._view, panorama, usual):
+            # should it prove to stand, all of it is taken back
+            self._slack = self._slack @ self._believed.to(found.pose) if self._stands else Pose2()
+            self.untrue = self.turn_untrue = False
+            seen = None
+        else:
+            seen = self._judge(found)
         self._restart(panorama)
         return None if seen is None else before.to(seen)
 
@@ -144,7 +161,7 @@ class ScanWatch:
         much = max(shown.off, WAY_SHARE * math.hypot(seen.x, seen.y))
         return bool(away > much) or self._turn_off(shown)
 
-    def _goes_along(self, shown: Shown, before: Panorama, now: Panorama) -> bool:
+    def _goes_along(self, shown: Shown, before: Panorama, now: Panorama, usual: float) -> bool:
         """Return whether what shows less way than the odometry reads goes along with the robot, as people may."""
         self._accompanied -= self._accompanied > 0
         if math.hypot(shown.pose.x, shown.pose.y) >= math.hypot(self._read.x, self._read.y) or not self._off(shown):
@@ -154,7 +171,10 @@ class ScanWatch:
         if parts >= PARTS:
             self._accompanied = COMPANY
         self._stands = self._stands + 1 if parts == 0 else 0
-        return self._stands < IN_A_ROW if self._accompanied else parts >= PARTS
+        if self._accompanied:
+            return self._stands < IN_A_ROW
+        stands = math.hypot(shown.pose.x, shown.pose.y) < STANDS * STEPS * usual
+        return parts >= PARTS or (stands and self._stands < TWICE)
 
     def _turn_off(self, shown: Shown) -> bool:
         return abs(wrap(shown.pose.heading - self._read.heading)) > TURN_OFF

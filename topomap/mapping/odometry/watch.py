@@ -82,7 +82,7 @@ class OdometryWatch:
         """Whether wheels and views contradict one another now."""
         # where ranges show the way, they have had their say first
         patience = PATIENCE + STEPS if self._scans.sees else PATIENCE
-        return not self._scans.untrue and max(self._dead, self._spinning) >= patience
+        return not (self._scans.untrue or self._scans.pending) and max(self._dead, self._spinning) >= patience
 
     def restate(self, previous: Panorama | None) -> None:
         """Take the last view for another one: its camera leant otherwise than was known."""
@@ -126,7 +126,7 @@ class OdometryWatch:
             leapt and self._misread(panorama, previous, float(motion.turn) + owed_turn, turn + owed_turn)
         )
         self._restate(panorama, read, turn, leapt, turned, misread, moves)
-        if self._scans.untrue or leapt or turned:
+        if self._scans.untrue or self._scans.pending or leapt or turned:
             return ""
         ended = ""
         if doubted and not self.doubted:
@@ -195,7 +195,8 @@ class OdometryWatch:
         usual, still = self._usual.change, self._usual.still
         slow = min(driven / self._usual.way, 1.0)
         self._dead = self._dead + 1 if way <= still and MOVING * usual < change else 0
-        self._spinning = self._spinning + 1 if driven > still and change < UNMOVED * usual * slow else 0
+        stands = change < UNMOVED * usual * slow and not self._scans.accompanied
+        self._spinning = self._spinning + 1 if driven > still and stands else 0
         return dead, spinning
 
 
