@@ -102,8 +102,8 @@ class ScanWatch:
         found = self._found(self._view, panorama, usual)
         self.sees = found is not None
         if found is not None and self._goes_along(found, self._view, panorama, usual):
-            # should it prove to stand, all of it is taken back
-            self._slack = self._slack @ self._believed.to(found.pose) if self._stands else Pose2()
+            alone = self._stands > 0 and not self.accompanied  # should it prove to stand, all of it is taken back
+            self._slack = self._slack @ self._believed.to(found.pose) if alone else Pose2()
             self.untrue = self.turn_untrue = False
             seen = None
         else:
