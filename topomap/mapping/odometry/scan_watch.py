@@ -11,7 +11,8 @@ import numpy as np
 from topomap.core.arrays import Float32Array, FloatArray
 from topomap.core.geometry import Pose2, wrap
 from topomap.core.panorama import Panorama
-from topomap.mapping.odometry.seen_way import parts_moved, seen_way
+from topomap.mapping.odometry.company import Company
+from topomap.mapping.odometry.seen_way import seen_way
 from topomap.vision.image.compare import rotation_difference, signature
 from topomap.vision.matching.scan_match import match_scans
 
@@ -29,16 +30,6 @@ STOOD = 4
 hide it for two or three."""
 FAR_ENOUGH = 0.3
 """Share of the usual way that ranges must show where the view moves."""
-PARTS = 2
-"""Sectors of the view that moved as the odometry has it, from which on what stands still goes along with the robot:
-amid people beside it 93 % of 165 looks of two worlds have as many, where ranges and most of the view show it standing
-half a metre back; with wheels that spin amid people one of 264."""
-COMPANY, IN_A_ROW = 20, 3
-"""Looks for which somebody is reckoned with after that, 10 m: the robot stands only if so many in a row have no such
-sector. By 2 % of those 165 looks there is none, by 98 % of the 264."""
-STANDS, TWICE = 0.3, 2
-"""Share of the usual way below which ranges show a standing robot, and looks in a row that have to, without company:
-between bare walls nobody's view moves. What was counted meanwhile is taken back with the last."""
 EXACT, EXACT_TURN = 0.05, math.radians(1.0)
 """[m], [rad] Greatest errors of what is believed: along bare corridors ranges don't tell the way, but views do."""
 
@@ -56,20 +47,14 @@ class ScanWatch:
         self.said = ""
         self.sees = False
         self._view: Panorama | None = None
-        self._accompanied = 0  # looks for which somebody who went along lately is still reckoned with
-        self._stands = 0  # looks in a row by which nothing moved
+        self.company = Company()
         self._slack = Pose2()  # where the ranges showed the robot at the last look, seen from where it was believed
         self._restart(None)
 
     @property
     def pending(self) -> bool:
         """Whether ranges showed a robot that stands, not yet often enough."""
-        return self._stands > 0 and not self.untrue
-
-    @property
-    def accompanied(self) -> bool:
-        """Whether somebody went along with the robot lately, so that most of the view may stand still."""
-        return self._accompanied > 0
+        return self.company.nothing_moved and not self.untrue
 
     def _restart(self, panorama: Panorama | None) -> None:
         self._view, self._read, self._believed = panorama, Pose2(), Pose2()
@@ -78,6 +63,7 @@ class ScanWatch:
     def begin(self, panorama: Panorama) -> None:
         """Begin anew with a view: what was before it isn't compared with."""
         self.untrue, self.turn_untrue, self.said, self._slack = False, False, "", Pose2()
+        self.company = Company()
         self._restart(panorama)
 
     def step(
@@ -101,13 +87,11 @@ class ScanWatch:
             return None
         found = self._found(self._view, panorama, usual)
         self.sees = found is not None
-        if found is not None and self._goes_along(found, self._view, panorama, usual):
-            alone = self._stands > 0 and not self.accompanied  # should it prove to stand, all of it is taken back
-            self._slack = self._slack @ self._believed.to(found.pose) if alone else Pose2()
-            self.untrue = self.turn_untrue = False
-            seen = None
-        else:
+        seen = None
+        if not self._goes_along(found, self._view, panorama, usual):
             seen = self._judge(found)
+        elif found is not None:
+            self._wait(found)
         self._restart(panorama)
         return None if seen is None else before.to(seen)
 
@@ -161,23 +145,22 @@ class ScanWatch:
         much = max(shown.off, WAY_SHARE * math.hypot(seen.x, seen.y))
         return bool(away > much) or self._turn_off(shown)
 
-    def _goes_along(self, shown: Shown, before: Panorama, now: Panorama, usual: float) -> bool:
+    def _goes_along(self, shown: Shown | None, before: Panorama, now: Panorama, usual: float) -> bool:
         """Return whether what shows less way than the odometry reads goes along with the robot, as people may."""
-        self._accompanied -= self._accompanied > 0
-        if math.hypot(shown.pose.x, shown.pose.y) >= math.hypot(self._read.x, self._read.y) or not self._off(shown):
-            self._stands = 0
+        way = math.hypot(self._read.x, self._read.y)
+        if shown is None or math.hypot(shown.pose.x, shown.pose.y) >= way or not self._off(shown):
+            self.company.pass_by()
             return False
-        parts = parts_moved(before, now, self._read, shown.pose)
-        if parts >= PARTS:
-            self._accompanied = COMPANY
-        self._stands = self._stands + 1 if parts == 0 else 0
-        if self._accompanied:
-            return self._stands < IN_A_ROW
-        stands = math.hypot(shown.pose.x, shown.pose.y) < STANDS * STEPS * usual
-        return parts >= PARTS or (stands and self._stands < TWICE)
+        return self.company.explains(before, now, self._read, shown.pose, STEPS * usual)
 
     def _turn_off(self, shown: Shown) -> bool:
         return abs(wrap(shown.pose.heading - self._read.heading)) > TURN_OFF
+
+    def _wait(self, shown: Shown) -> None:
+        """Believe the odometry for now; should the robot prove to stand, all of it is taken back."""
+        alone = self.company.nothing_moved and not self.company.present
+        self._slack = self._slack @ self._believed.to(shown.pose) if alone else Pose2()
+        self.untrue = self.turn_untrue = False
 
     def _judge(self, shown: Shown | None) -> Pose2 | None:
         """Return where the robot is since the last look where that isn't what is believed."""

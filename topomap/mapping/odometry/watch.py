@@ -195,7 +195,7 @@ class OdometryWatch:
         usual, still = self._usual.change, self._usual.still
         slow = min(driven / self._usual.way, 1.0)
         self._dead = self._dead + 1 if way <= still and MOVING * usual < change else 0
-        stands = change < UNMOVED * usual * slow and not self._scans.accompanied
+        stands = change < UNMOVED * usual * slow and not self._scans.company.present
         self._spinning = self._spinning + 1 if driven > still and stands else 0
         return dead, spinning
 
