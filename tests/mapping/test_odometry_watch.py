@@ -259,18 +259,21 @@ def amid_people(world: str, seed: int, steps: int, beside: int) -> list[SimReadi
     return [reading for _ in range(steps) if (reading := robot.sense()) is not None]
 
 
-@pytest.mark.parametrize(("world", "seed"), [("office-loop", 0), ("office-loop", 3), ("hall", 3)])
-def test_people_who_walk_along_with_the_robot_are_no_slip(world: str, seed: int) -> None:
+@pytest.mark.parametrize(
+    ("world", "seed", "steps"), [("office-loop", 0, 130), ("office-loop", 3, 130), ("hall", 3, 180)]
+)
+def test_people_who_walk_along_with_the_robot_are_no_slip(world: str, seed: int, steps: int) -> None:
     """Ranges and most of the view stand still: half a metre a look was taken back, 8.9 m of a map in all."""
-    assert watched(amid_people(world, seed, 130, 6))[:2] == ([], [])
+    assert watched(amid_people(world, seed, steps, 6))[:2] == ([], [])
 
 
 @pytest.mark.parametrize("beside", [0, 6])
 def test_wheels_that_spin_amid_people_are_noticed(beside: int) -> None:
+    """Later than else, as people who go along stand still as well."""
     words = ["sim.driver.laps=0.3", f"sim.people={{extra=20,beside={beside}}}"]
     robot = SimRobot(worlds.load("hall"), load_config(None, words).sim, 1)
     readings = []
-    while len(readings) < 175:
+    while len(readings) < 190:
         reading = robot.sense()
         assert reading is not None
         if not reading.driven:
@@ -279,7 +282,8 @@ def test_wheels_that_spin_amid_people_are_noticed(beside: int) -> None:
         readings.append(reading)
     broken, mended, _ = watched(readings)
     assert all("spun" in words for _, words in broken)
-    assert any("untrue" in words for _, words in mended)
+    spins = sum(reading.driven for reading in readings)
+    assert any("untrue" in words for k, words in mended if spins <= k < spins + 40)
 
 
 @pytest.mark.parametrize("along", [134, 195, 2504])

@@ -49,7 +49,7 @@ def check_meta(meta: dict[str, Any]) -> None:
 
 
 def rig_of(members: dict[str, Any]) -> RecordedRig:
-    """Return a rig by its members in JSON. Raises TypeError where it isn't one."""
+    """Return a rig by its members in JSON. Raises TypeError or ValueError where it isn't one."""
     return RecordedRig(**members | {"hidden": tuple((start, extent) for start, extent in members.get("hidden", ()))})
 
 

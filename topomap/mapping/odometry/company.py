@@ -14,7 +14,7 @@ amid people beside it 93 % of 165 looks of two worlds have as many, where ranges
 half a metre back; with wheels that spin amid people one of 264."""
 COMPANY, IN_A_ROW = 20, 3
 """Looks for which somebody is reckoned with after that, 10 m: the robot stands only if so many in a row have no such
-sector. By 2 % of those 165 looks there is none, by 98 % of the 264."""
+sector. In 2 % of those 165 looks there is none, in 98 % of the 264."""
 STANDS, TWICE = 0.3, 2
 """Share of the usual way below which ranges show a standing robot, and looks in a row that have to, without company:
 between bare walls nobody's view moves. What was counted meanwhile is taken back with the last."""

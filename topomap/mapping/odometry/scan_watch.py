@@ -157,7 +157,8 @@ class ScanWatch:
         return abs(wrap(shown.pose.heading - self._read.heading)) > TURN_OFF
 
     def _wait(self, shown: Shown) -> None:
-        """Believe the odometry for now; should the robot prove to stand, all of it is taken back."""
+        """Believe the odometry for now: should the robot prove to stand, all of it is taken back; in company, where it
+        is less sure, the last look's alone."""
         alone = self.company.nothing_moved and not self.company.present
         self._slack = self._slack @ self._believed.to(shown.pose) if alone else Pose2()
         self.untrue = self.turn_untrue = False

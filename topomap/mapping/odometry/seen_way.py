@@ -26,7 +26,9 @@ looks; 0.48 in a round room whose ranges had the turn 6 degrees wrong, and the p
 SECTORS = 15
 """Parts of the view that are compared one by one: people who pass change a third of them, being carried away all."""
 MOVED_CLEARLY, MOVED_MOST = 1.5, 0.4
-"""Times that a sector differs more by one way than by another, and difference by the other, by which it tells."""
+"""Times that a sector differs more by one way than by another, and difference by the other, by which it tells: with 1.2
+to 2 times and 0.3 to 0.6, 5 to 16 % of the looks amid people who go along (`company.PARTS`) have fewer than two such
+sectors, and at most 0.8 % of those by wheels that spin as many."""
 
 
 def seen_way(before: Panorama, now: Panorama, pose: Pose2, along: FloatArray, read: float, usual: float) -> float:
@@ -59,7 +61,7 @@ def _differences(before: Panorama, now: Panorama, turn: float, places: FloatArra
 
 
 def _by_sector(before: Panorama, now: Panorama, turn: float, places: FloatArray) -> FloatArray:
-    """Return the same (D, SECTORS) for each sector."""
+    """Return by how much (D, SECTORS) each sector of the views differs, as `_differences` has it: rms."""
     c, s = np.cos(turn), np.sin(turn)
     back = -places @ np.array([[c, -s], [s, c]])  # from where it is now, looking where it looks now
     views = predicted(now, back / 2)

@@ -29,8 +29,8 @@ ENOUGH, MEMORY = 12, 64
 """Comparisons before anything is said, 120 degrees at least, and those that count, more or less."""
 HIDDEN, BESIDE = 0.15, 0.4
 """Change of a column, of the middle column's, below which it is hidden, and below which those next to such a one are.
-Over six worlds, after 12 comparisons: inside bars of 3 and 12 degrees .03 to .20, half of it below .11, all other
-columns .29 and more (after 32 .59), in photographs .56; people beside the robot .04 to .4."""
+Over six worlds, after 10 to 16 comparisons: inside bars of 3 and 12 degrees .03 to .20, all other columns .29 and more
+(after 32 .59), in photographs .56 after 16; people beside the robot .04 to .4."""
 MOST = 0.5
 """Share of the view that can be hidden: were it more, the middle column would be."""
 
