@@ -27,10 +27,21 @@ def test_a_patrol_goes_from_goal_to_goal() -> None:
     assert mission.phase is Phase.ARRIVED
 
 
-def test_a_goal_that_is_given_up_ends_a_patrol() -> None:
+def test_a_patrol_goes_on_after_a_goal_that_is_given_up_and_has_failed_in_the_end() -> None:
+    topo, mission = square(), Mission(MissionSettings(do="patrol:1,2,3"))
+    assert mission.goal(False, topo).node == 1
+    for made, then in ((Phase.ARRIVED, 2), (Phase.FAILED, 3)):
+        mission.report(Travel(made))
+        assert not mission.over
+        assert mission.goal(False, topo).node == then
+    mission.report(ARRIVED)
+    assert mission.phase is Phase.FAILED
+
+
+def test_who_is_lost_or_without_senses_ends_a_patrol() -> None:
     topo, mission = square(), Mission(MissionSettings(do="patrol:1,2"))
     mission.goal(False, topo)
-    mission.report(Travel(Phase.FAILED))
+    mission.report(Travel(Phase.FAILED), able=False)
     assert mission.phase is Phase.FAILED
 
 

@@ -333,6 +333,8 @@ def test_a_mission_goes_from_goal_to_goal() -> None:
     failed = Mission(MissionSettings(do="patrol:3,5"))
     failed.goal(False, MAP)
     failed.report(Travel(Phase.FAILED))
+    assert (failed.phase, failed.over, failed.goal(False, MAP).node) == (Phase.TRAVEL, False, 5)
+    failed.report(Travel(Phase.FAILED))
     assert (failed.phase, failed.over) == (Phase.FAILED, True)
     unknown = Mission(MissionSettings(do="goto:99"))
     assert unknown.goal(False, MAP) == Goal(Phase.FAILED, None)

@@ -32,10 +32,10 @@ def way_over(saved: SavedMap, mission: MissionSettings) -> float:
     topo, goals = saved.map, goals_of(mission.wish, saved.map)
     starts = [] if saved.start.node is None else [saved.start.node]
     first = 0.0 if starts else float(travel(topo.poses)[-1])
-    return first + sum(_way(topo, a, b) for a, b in pairwise([*starts, *goals]))
+    return first + sum(way_between(topo, a, b) for a, b in pairwise([*starts, *goals]))
 
 
-def _way(topo: TopoMap, start: int, goal: int) -> float:
+def way_between(topo: TopoMap, start: int, goal: int) -> float:
     """Return the length [m] of the way between two nodes, 0 where there is none: the journey will say so."""
     try:
         return float(travel(topo.poses[planner.route(topo, start, goal)])[-1])

@@ -9,6 +9,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from sim2d.errors import WorldError
+from sim2d.robot import SimRobot
 from topomap.app.config import load_config
 from topomap.app.runs import open_world
 from topomap.app.saved_map import SavedMap
@@ -20,6 +22,7 @@ from topomap.bench.sessions import Growth, Merging, Truths, figures
 from topomap.core.errors import DataError
 from topomap.core.geometry import Pose2
 from topomap.core.records import Command
+from topomap.core.robot import Reading
 from topomap.mapping.graph import TopoMap
 from topomap.mapping.mapfile import load_map, save_map
 from topomap.mapping.mapper import MapperSettings
@@ -54,7 +57,7 @@ def drive(world: str, seed: int, words: Sequence[str], known: Driven | None = No
     saved = None if known is None else SavedMap(known.map, Start(node=known.map.chain[0]))
     navigator = build_navigator(config.stack, saved=saved)
     truths: dict[int, Pose2] = {}
-    while (reading := robot.sense()) is not None and reading.driven:
+    while (reading := _sensed(robot)) is not None and reading.driven:
         navigator.step(reading)
         true = robot.truth()
         truths[reading.stamp_ns] = Pose2(true.x, true.y, true.heading)
@@ -67,6 +70,14 @@ def drive(world: str, seed: int, words: Sequence[str], known: Driven | None = No
             pose = truths[node.stamp_ns]
             own[name] = pose.x, pose.y, pose.heading
     return Driven(topo, own)
+
+
+def _sensed(robot: SimRobot) -> Reading | None:
+    """Return the next reading. Raises DataError where the driver is stuck."""
+    try:
+        return robot.sense()
+    except WorldError as error:
+        raise DataError(f"{robot.world.name}: {error}") from error
 
 
 def _key(kind: str, world: str, *own: object) -> str:

@@ -80,6 +80,11 @@ class Journey:
     notes: tuple[str, ...] = ()
 
     @property
+    def way(self) -> float:
+        """Way [m] driven."""
+        return self.speed * self.seconds
+
+    @property
     def home(self) -> bool:
         """Whether it arrived and said so."""
         return self.claimed and self.error <= REACHED_M

@@ -1,4 +1,4 @@
-"""Commands that measure the robot: bench kidnapped, breaks, faults, journeys, sessions."""
+"""Commands that measure the robot: bench kidnapped, breaks, faults, journeys, sessions, patrols."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 def add_to(app: typer.Typer) -> None:
     """Add the commands to `topomap bench`, which bench_commands adds to the program."""
-    for command in (kidnapped, breaks, faults, journeys, sessions):
+    for command in (kidnapped, breaks, faults, journeys, sessions, patrols):
         benches.command()(command)
 
 
@@ -178,3 +178,31 @@ def sessions(
             table(title, head, rows)
             if file is not None:
                 add_results(file, head, rows, keys=3)
+
+
+def patrols(
+    worlds: str = typer.Option("hall", help="Worlds by name or file, comma-separated."),
+    seeds: str = typer.Option("0", help="Seeds of the lessons, e.g. 0-4; the patrol's is 50 higher."),
+    legs: int = typer.Option(60, min=1, help="Goals, one after the other, drawn from the map's snapshots."),
+    settings: list[str] = typer.Option([], "--set", metavar="KEY=VALUE", help="Setting of both drives; may repeat."),
+    changed: list[str] = typer.Option([], "--changed", metavar="KEY=VALUE", help="The patrol's alone; may repeat."),
+    jobs: int | None = typer.Option(None, min=1, help="Processes [all cores]."),
+    fresh: bool = typer.Option(False, "--fresh", help="Measure anew what is known already."),
+    out: Path = typer.Option(OUT / "patrols", help="Folder for the JSON of all legs."),
+    keep: Path | None = KEEP,
+) -> None:
+    """Teach and save a map, then let another robot, that isn't told where it is, drive from goal to goal on it."""
+    from topomap.app import patrol_bench as bench
+    from topomap.app.words import cores, parse_seeds
+    from topomap.bench.patrols import HEAD, SHOWN, row, shown, total
+    from topomap.bench.pool import Store, default_folder
+    from topomap.experiments.results import add_results
+
+    tasks = bench.plan(worlds, parse_seeds(seeds), legs, settings, changed)
+    store = Store(None if fresh else default_folder())
+    with progress("patrols", len(tasks)) as advance:
+        made = bench.run_patrols(tasks, store, jobs or cores(), advance)
+    table("patrols", SHOWN, [shown(cells) for cells in (*map(row, made), total(made))])
+    if keep is not None:
+        add_results(keep, HEAD, [row(one) for one in made], keys=5)
+    console.print(str(bench.write(made, out)), soft_wrap=True)

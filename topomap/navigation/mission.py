@@ -37,7 +37,7 @@ class MissionSettings(BaseModel, frozen=True, extra="forbid"):
 
 
 class Mission:
-    """Teach while a driver has the wheels, then travel to goal after goal until the last is reached or one given up.
+    """Teach while a driver has the wheels, then travel to goal after goal; it failed where one of them was given up.
 
     failure: why the mission can't be, in one line, or "".
     """
@@ -46,6 +46,7 @@ class Mission:
         self._wish = settings.wish
         self._phase = Phase.TEACH
         self._goals: list[int] = []
+        self._ended = Phase.ARRIVED
         self.failure = ""
 
     def goal(self, driven: bool, topo: TopoMap) -> Goal:
@@ -54,14 +55,19 @@ class Mission:
             self._phase = self._after_teaching(topo)
         return Goal(self._phase, self._goals[0] if self._phase is Phase.TRAVEL else None)
 
-    def report(self, travel: Travel) -> None:
-        """Take note of what the traveller says; the last arrival or a failure ends the mission."""
-        if self._phase is not Phase.TRAVEL:
+    def report(self, travel: Travel, able: bool = True) -> None:
+        """Take note of what the traveller says: the last goal ends the mission, and one given up by who isn't able.
+
+        able: the robot has its senses and knows where it is, so that another goal may go better.
+        """
+        if self._phase is not Phase.TRAVEL or travel.phase not in (Phase.ARRIVED, Phase.FAILED):
             return
-        if travel.phase is Phase.ARRIVED and len(self._goals) > 1:
+        if travel.phase is Phase.FAILED:
+            self._ended = Phase.FAILED
+        if len(self._goals) > 1 and (able or travel.phase is Phase.ARRIVED):
             self._goals.pop(0)
-        elif travel.phase in (Phase.ARRIVED, Phase.FAILED):
-            self._phase = travel.phase
+        else:
+            self._phase = self._ended
 
     @property
     def phase(self) -> Phase:

@@ -90,7 +90,7 @@ class Navigator:
             travel = _with_event(travel, event)
         self._command = command
         self._sense_check.commanded(command)
-        self._mission.report(travel)
+        self._mission.report(travel, able=not senses.health.stop and where.lost <= LOST)
         watch.lap("travel")
         return command, StepRecord(
             reading.stamp_ns, self.mapper.track.raw, change, where, goal, travel, command, watch.laps
