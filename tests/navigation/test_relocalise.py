@@ -86,6 +86,8 @@ def test_it_gives_up_after_its_way_and_stops() -> None:
     assert done[0] == Command()
     assert done[1].phase is Phase.FAILED
     assert "gave up" in done[1].note
+    # the next goal of a patrol has a search of its own
+    assert lost_step(manoeuvre, mapper, 1.0) != Command()
 
 
 def test_it_takes_the_way_that_was_chosen_and_says_why(monkeypatch: pytest.MonkeyPatch) -> None:

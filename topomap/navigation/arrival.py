@@ -31,6 +31,11 @@ class Arrival:
         self._rising = 0
         self.since_minimum = 0
 
+    @property
+    def over(self) -> bool:
+        """Whether the difference has passed its minimum, however low that was."""
+        return self._rising >= self._rise_steps or self.since_minimum >= self._rest_steps
+
     def update(self, difference: float, moved: bool = True, counts: bool | None = None) -> bool:
         """Take the difference of this step; return whether the milestone is reached.
 
@@ -47,8 +52,7 @@ class Arrival:
         if counts:
             rising = difference > RISE * self._minimum
             self._rising = self._rising + 1 if rising else 0
-        over = self._rising >= self._rise_steps or self.since_minimum >= self._rest_steps
-        return difference < SAME or (over and self._minimum < MINIMUM_BELOW)
+        return difference < SAME or (self.over and self._minimum < MINIMUM_BELOW)
 
 
 NEAR = 0.6

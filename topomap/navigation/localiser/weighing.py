@@ -37,13 +37,22 @@ BORN = np.diag(np.square([0.35, 0.35, math.radians(8.0)]))
 """Covariance of a place found by its view: it is told from its neighbour half a metre off, and to two columns."""
 
 
-def by_stretch(mixture: Mixture, seen: Seen) -> Mixture:
-    """Return the hypotheses weighed by how alike their places looked over the last stretch."""
+def by_stretch(mixture: Mixture, seen: Seen, hidden: bool = False) -> Mixture:
+    """Return the hypotheses weighed by how alike their places looked over the last stretch.
+
+    hidden: the view is hidden in part, and as it was at the likeliest place in the rest of it.
+    """
     told, behind = _behind(mixture, LOOKS)
     said = LASTING * mixture.behind[told]
     most = mixture.behind.copy()
     most[told] = np.maximum(behind, said)
-    return replace(_weighed(mixture, seen, told, _spoken(behind, said)), behind=most)
+    return replace(_weighed(mixture, seen, told, _spoken(behind, said), hidden), behind=most)
+
+
+def unlike(mixture: Mixture, seen: Seen) -> bool:
+    """Return whether the last stretch speaks against being at any place."""
+    told, _ = _behind(mixture, LOOKS)
+    return bool(told.any()) and _any_place(mixture, seen, told) < 0.0
 
 
 def against(squares: FloatArray, least: float) -> FloatArray:
@@ -79,14 +88,20 @@ def units_behind(squares: FloatArray) -> FloatArray:
     return behind
 
 
-def _weighed(mixture: Mixture, seen: Seen, told: BoolArray, against: FloatArray) -> Mixture:
+def _weighed(mixture: Mixture, seen: Seen, told: BoolArray, against: FloatArray, hidden: bool = False) -> Mixture:
     """Return the hypotheses weighed by what speaks against those told of, and by whether any place is there at all."""
     ratios = np.zeros(len(mixture))
     if told.any():
-        # what hides a part of the view is passed within a stretch: whether any place is there, its best look says
-        best = np.sqrt([mixture.seen[told, 2].min()])
-        ratios[told] = log_ratio(best, seen.usual.others) - against
+        there = _any_place(mixture, seen, told)
+        ratios[told] = (max(there, 0.0) if hidden else there) - against
     return replace(mixture.weighed(ratios, ESCAPE), seen=unseen(len(mixture)))
+
+
+def _any_place(mixture: Mixture, seen: Seen, told: BoolArray) -> float:
+    """Return how much speaks for being at a place at all [nats]."""
+    # what hides a part of the view is passed within a stretch: whether any place is there, its best look says
+    best = np.sqrt([mixture.seen[told, 2].min()])
+    return float(log_ratio(best, seen.usual.others)[0])
 
 
 def with_places(mixture: Mixture, seen: Seen, places: FloatArray) -> Mixture:

@@ -64,8 +64,7 @@ class Relocalise:
         """
         going_on = self._began is not None or searching
         if goal.phase is not Phase.TRAVEL or where.lost <= (FOUND if going_on else LOST):
-            self._began, self._steps, self._forward = None, 0, False
-            self._way.reset()
+            self._end()
             return None
         track = mapper.track
         if self._began is None:
@@ -73,12 +72,18 @@ class Relocalise:
         self._steps += 1
         way = track.travel - self._began
         if way > WAY or self._steps > STEPS:
+            self._end()
             return Command(), Travel(Phase.FAILED, note=f"lost: gave up after looking around for {way:.0f} m")
         towards, decided = self._way.step(where, mapper)
         note = f"lost ({where.lost:.2f}): {decided or 'looks around'}"
         command = self._drive(panorama, contact, where, mapper, towards)
         self._forward = command.forward > 0
         return command, Travel(Phase.TRAVEL, note=note)
+
+    def _end(self) -> None:
+        """Forget the search: the next one, for another goal, has its own time."""
+        self._began, self._steps, self._forward = None, 0, False
+        self._way.reset()
 
     def _drive(self, panorama: Panorama, contact: bool, where: Where, mapper: Mapper, towards: float | None) -> Command:
         """Return the command; towards: the bearing [rad] of the way that was chosen, None: as it looks."""
