@@ -8,18 +8,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from topomap.core.arrays import BoolArray, FloatArray, IntArray
-from topomap.core.geometry import Pose2, between, compose, wrap, wrap_all
+from topomap.core.geometry import Pose2, between, compose, wrap_all
 from topomap.core.panorama import Panorama
 from topomap.core.records import Hypothesis, Motion
 from topomap.mapping.graph import TopoMap
 from topomap.mapping.mapper import Mapper
 from topomap.navigation.localiser.fix import fix
+from topomap.navigation.localiser.hidden import seen_in_part
 from topomap.navigation.localiser.mixture import Mixture
 from topomap.navigation.localiser.set_down import set_down
 from topomap.navigation.localiser.tint import unlike as unlike_in_colour
 from topomap.navigation.localiser.views import Found, Seen, Usual, look, usual
 from topomap.navigation.localiser.weighing import by_first_view, by_stretch, unlike, with_places
-from topomap.vision.image.sectors import LIKE, agreement
 from topomap.vision.image.surroundings import surroundings
 
 LOOK = 0.16
@@ -41,8 +41,6 @@ TELLING = 0.2
 COLOURED, WEIGHTY = 12, 0.01
 """Hypotheses whose colours are looked at, the likeliest: the view of each may have to be decoded, for 2 ms; and the
 weight they have at least."""
-PARTS = 3
-"""Directions, of 12, in which the likeliest place has to look much as it did for an unlike view to be a hidden one."""
 LED = 0.2
 """Weight from which on a hypothesis is worth a fix by ranges."""
 
@@ -111,21 +109,11 @@ class Belief:
         if due or fresh:
             self._since_weighed = 0.0
             self.stretches += not fresh
-            weighed = by_first_view(self.mixture, seen) if fresh else self._by_stretch(panorama, mapper, nodes, seen)
+            hidden = not fresh and unlike(self.mixture, seen) and seen_in_part(panorama, self.mixture, mapper, nodes)
+            weighed = by_first_view(self.mixture, seen) if fresh else by_stretch(self.mixture, seen, hidden)
             join = set_down if fresh and count >= SEARCHED else with_places
             self.mixture = join(weighed, seen, mapper.map.poses[nodes]).pruned()
         self._fix(panorama, mapper, nodes)
-
-    def _by_stretch(self, panorama: Panorama, mapper: Mapper, nodes: IntArray, seen: Seen) -> Mixture:
-        hidden = unlike(self.mixture, seen) and self._seen_in_part(panorama, mapper, nodes)
-        return by_stretch(self.mixture, seen, hidden)
-
-    def _seen_in_part(self, panorama: Panorama, mapper: Mapper, nodes: IntArray) -> bool:
-        """Return whether the likeliest place is seen in some directions, though others are hidden then or now."""
-        pose = Pose2.of(self.mixture.poses[int(np.argmax(self.mixture.weights))])
-        node = int(nodes[np.argmin(np.hypot(*(mapper.map.poses[nodes, :2] - np.array([pose.x, pose.y])).T))])
-        turn = wrap(pose.heading - float(mapper.map.poses[node, 2]))
-        return agreement(panorama, mapper.view_cache.panorama(node), turn, LIKE).sectors >= PARTS
 
     @property
     def lost(self) -> float:
