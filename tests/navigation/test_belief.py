@@ -122,17 +122,16 @@ def test_what_is_less_alike_than_any_place_of_the_map_speaks_against_it() -> Non
     assert (ratios[1:] < -1.0).all()
 
 
-def test_a_hidden_view_speaks_neither_for_nor_against_the_place() -> None:
+def test_a_view_that_is_hidden_in_part_speaks_for_the_place_and_not_against_it() -> None:
     start = Mixture.at(np.array([1.0, 0.5, 0.3]), np.diag([0.04, 0.02, 0.01]), 0.01)
     for _ in range(3):
         start = start.looked(np.arange(1), np.array([0.8]))  # .9 of what is usual: as unlike as most of the map
     assert unlike(start, seen())
     lost, kept = by_stretch(start, seen()), by_stretch(start, seen(), hidden=True)
     assert math.exp(lost.elsewhere) > 0.05
-    assert math.exp(kept.elsewhere) == pytest.approx(0.011, abs=0.001)  # it may have been carried off unnoticed
+    assert 0.001 < math.exp(kept.elsewhere) < 0.01  # it may have been carried off unnoticed
     alike = start.looked(np.arange(1), np.array([0.01]))
     assert not unlike(alike, seen())
-    assert by_stretch(alike, seen(), hidden=True).elsewhere == by_stretch(alike, seen()).elsewhere
 
 
 def test_what_views_tell_is_as_before() -> None:

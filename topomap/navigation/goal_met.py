@@ -8,7 +8,6 @@ from topomap.navigation.journey import Journey
 from topomap.navigation.senses import Now
 from topomap.navigation.sight import Look, Sight
 from topomap.vision.image.compare import rotation_difference, signature
-from topomap.vision.image.sectors import SAME as SAME_PART
 from topomap.vision.image.sectors import SECTORS, agreement
 
 BARE = 0.1
@@ -50,13 +49,13 @@ def _met_in_part(j: Journey, sight: Sight, now: Now) -> tuple[bool, str]:
     if not sight.arrival.over or where.pose.distance(goal) >= BARE:
         return False, ""
     turn = wrap(where.pose.heading - goal.heading)
-    part = agreement(now.senses.panorama, sight.view, turn, SAME_PART)
+    part = agreement(now.senses.panorama, sight.view, turn)
     if part.sectors < PARTS or doubt(Claim(goal, part.rotation, 0.0, where)):
         return False, ""
     other = now.senses.place
     if other is not None and topo.length(j.goal, other.node) > ELSEWHERE:
         view = now.mapper.view_cache.panorama(other.node)
-        if agreement(now.senses.panorama, view, other.rotation, SAME_PART).sectors >= part.sectors:
+        if agreement(now.senses.panorama, view, other.rotation).sectors >= part.sectors:
             return False, ""
     return True, f"goal reached: {part.sectors} of {SECTORS} directions are as they were, the others are hidden"
 

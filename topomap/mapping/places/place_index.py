@@ -60,6 +60,11 @@ class PlaceIndex:
         self._spectra[place], self._keys[place] = view.spectrum, _key(view)
         self._powers[place] = spectra_powers(view.spectrum[np.newaxis], view.pixels.shape[1])[0]
 
+    def pixels(self, places: IntArray, columns: int) -> FloatArray:
+        """Return the pixels (n, R, C) of some stored views (n,) of so many columns."""
+        found: FloatArray = np.fft.irfft(self._spectra[places].astype(np.complex128), n=columns, axis=2)
+        return found
+
     def compare(self, view: Signature, places: IntArray) -> RotationDifferences:
         """Return the differences to some stored views (n,)."""
         if not len(places):

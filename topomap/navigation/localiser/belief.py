@@ -14,7 +14,7 @@ from topomap.core.records import Hypothesis, Motion
 from topomap.mapping.graph import TopoMap
 from topomap.mapping.mapper import Mapper
 from topomap.navigation.localiser.fix import fix
-from topomap.navigation.localiser.hidden import seen_in_part
+from topomap.navigation.localiser.hidden import measured_in_part, seen_in_part
 from topomap.navigation.localiser.mixture import Mixture
 from topomap.navigation.localiser.set_down import set_down
 from topomap.navigation.localiser.tint import unlike as unlike_in_colour
@@ -110,6 +110,8 @@ class Belief:
             self._since_weighed = 0.0
             self.stretches += not fresh
             hidden = not fresh and unlike(self.mixture, seen) and seen_in_part(panorama, self.mixture, mapper, nodes)
+            if hidden:
+                self.mixture = measured_in_part(panorama, self.mixture, mapper, nodes)
             weighed = by_first_view(self.mixture, seen) if fresh else by_stretch(self.mixture, seen, hidden)
             join = set_down if fresh and count >= SEARCHED else with_places
             self.mixture = join(weighed, seen, mapper.map.poses[nodes]).pruned()

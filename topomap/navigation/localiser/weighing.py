@@ -29,6 +29,8 @@ LASTING = 0.95
 """Share of the most that was said against a hypothesis that the next stretch has to exceed to say more. What differs a
 little between two places alike hangs together from stretch to stretch (by 0.85 between two corridors, by 0.6 in
 `office-loop`): it is how far aside the robot drives and in what light."""
+HIDDEN = 2.0
+"""What a stretch whose view is hidden in part says for being at a place where the rest of it is as it was [nats]."""
 FIRST = 3.0
 """What the first view can say [nats]: 0.3 m aside in `office-loop`, a wrong place looks more like it in 2 of 5."""
 ESCAPE = 1e-3
@@ -92,8 +94,7 @@ def _weighed(mixture: Mixture, seen: Seen, told: BoolArray, against: FloatArray,
     """Return the hypotheses weighed by what speaks against those told of, and by whether any place is there at all."""
     ratios = np.zeros(len(mixture))
     if told.any():
-        there = _any_place(mixture, seen, told)
-        ratios[told] = (max(there, 0.0) if hidden else there) - against
+        ratios[told] = (HIDDEN if hidden else _any_place(mixture, seen, told)) - against
     return replace(mixture.weighed(ratios, ESCAPE), seen=unseen(len(mixture)))
 
 
