@@ -17,9 +17,9 @@ from topomap.navigation.localiser.fix import fix
 from topomap.navigation.localiser.hidden import measured_in_part, seen_in_part
 from topomap.navigation.localiser.mixture import Mixture
 from topomap.navigation.localiser.set_down import set_down
-from topomap.navigation.localiser.tint import unlike as unlike_in_colour
+from topomap.navigation.localiser.tint import unlike
 from topomap.navigation.localiser.views import Found, Seen, Usual, look, usual
-from topomap.navigation.localiser.weighing import by_first_view, by_stretch, unlike, with_places
+from topomap.navigation.localiser.weighing import by_first_view, by_stretch, with_places
 from topomap.vision.image.surroundings import surroundings
 
 LOOK = 0.16
@@ -109,10 +109,14 @@ class Belief:
         if due or fresh:
             self._since_weighed = 0.0
             self.stretches += not fresh
-            hidden = not fresh and unlike(self.mixture, seen) and seen_in_part(panorama, self.mixture, mapper, nodes)
-            if hidden:
-                self.mixture = measured_in_part(panorama, self.mixture, mapper, nodes)
-            weighed = by_first_view(self.mixture, seen) if fresh else by_stretch(self.mixture, seen, hidden)
+            if fresh:
+                weighed = by_first_view(self.mixture, seen)
+            else:
+                known = len(self.mixture) > 0 and self.likeness >= ALIKE
+                hidden = known and seen_in_part(panorama, self.mixture, mapper, nodes)
+                weighed = by_stretch(self.mixture, seen, hidden)
+                if hidden:
+                    weighed = measured_in_part(panorama, weighed, mapper, nodes)
             join = set_down if fresh and count >= SEARCHED else with_places
             self.mixture = join(weighed, seen, mapper.map.poses[nodes]).pruned()
         self._fix(panorama, mapper, nodes)
@@ -182,9 +186,7 @@ class Belief:
         squares = np.zeros(len(told))
         if len(led) > 1:
             squares[led] = [
-                unlike_in_colour(
-                    panorama, mapper.view_cache.panorama(int(nodes[k])), float(found.rotations[k]), _point(found, k)
-                )
+                unlike(panorama, mapper.view_cache.panorama(int(nodes[k])), float(found.rotations[k]), _point(found, k))
                 for k in led.tolist()
             ]
             squares = np.minimum(squares, ALIKE**2)

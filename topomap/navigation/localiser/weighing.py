@@ -52,12 +52,6 @@ def by_stretch(mixture: Mixture, seen: Seen, hidden: bool = False) -> Mixture:
     return replace(_weighed(mixture, seen, told, _spoken(behind, said), hidden), behind=most)
 
 
-def unlike(mixture: Mixture, seen: Seen) -> bool:
-    """Return whether the last stretch speaks against being at any place."""
-    told, _ = _behind(mixture, LOOKS)
-    return bool(told.any()) and _any_place(mixture, seen, told) < 0.0
-
-
 def against(squares: FloatArray, least: float) -> FloatArray:
     """Return what a stretch of such mean squared likenesses (n,) says against places, of which the most alike has
     `least` [nats].
@@ -95,15 +89,11 @@ def _weighed(mixture: Mixture, seen: Seen, told: BoolArray, against: FloatArray,
     """Return the hypotheses weighed by what speaks against those told of, and by whether any place is there at all."""
     ratios = np.zeros(len(mixture))
     if told.any():
-        ratios[told] = (HIDDEN if hidden else _any_place(mixture, seen, told)) - against
+        # what hides a part of the view is passed within a stretch: whether any place is there, its best look says
+        best = np.sqrt([mixture.seen[told, 2].min()])
+        there = log_ratio(best, seen.usual.others)
+        ratios[told] = (np.maximum(there, HIDDEN) if hidden else there) - against
     return replace(mixture.weighed(ratios, ESCAPE), seen=unseen(len(mixture)))
-
-
-def _any_place(mixture: Mixture, seen: Seen, told: BoolArray) -> float:
-    """Return how much speaks for being at a place at all [nats]."""
-    # what hides a part of the view is passed within a stretch: whether any place is there, its best look says
-    best = np.sqrt([mixture.seen[told, 2].min()])
-    return float(log_ratio(best, seen.usual.others)[0])
 
 
 def with_places(mixture: Mixture, seen: Seen, places: FloatArray) -> Mixture:
