@@ -109,17 +109,18 @@ class Belief:
         if due or fresh:
             self._since_weighed = 0.0
             self.stretches += not fresh
-            if fresh:
-                weighed = by_first_view(self.mixture, seen)
-            else:
-                known = len(self.mixture) > 0 and self.likeness >= ALIKE
-                hidden = known and seen_in_part(panorama, self.mixture, mapper, nodes)
-                weighed = by_stretch(self.mixture, seen, hidden)
-                if hidden:
-                    weighed = measured_in_part(panorama, weighed, mapper, nodes)
+            weighed = by_first_view(self.mixture, seen) if fresh else self._by_stretch(panorama, mapper, nodes, seen)
             join = set_down if fresh and count >= SEARCHED else with_places
             self.mixture = join(weighed, seen, mapper.map.poses[nodes]).pruned()
         self._fix(panorama, mapper, nodes)
+
+    def _by_stretch(self, panorama: Panorama, mapper: Mapper, nodes: IntArray, seen: Seen) -> Mixture:
+        """Weigh by the last stretch; where the likeliest place is unlike the view, ask what isn't hidden of it."""
+        if not len(self.mixture) or not self.likeness >= ALIKE:
+            return by_stretch(self.mixture, seen)
+        hidden = seen_in_part(panorama, self.mixture, mapper, nodes)
+        weighed = by_stretch(self.mixture, seen, hidden)
+        return measured_in_part(panorama, weighed, mapper, nodes) if hidden else weighed
 
     @property
     def lost(self) -> float:
