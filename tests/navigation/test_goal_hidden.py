@@ -25,10 +25,13 @@ HIDDEN = list(range(SECTORS - PARTS - 2))
 """As many directions as leave those that are asked for, and two whose edges are blurred."""
 
 
-def met(where: Where = AT_GOAL, hidden: list[int] = HIDDEN, over: bool = True, other: Any = None) -> str:
+def met(
+    where: Where = AT_GOAL, hidden: list[int] = HIDDEN, over: bool = True, other: Any = None, there: bool = False
+) -> str:
     """What is noted of an arrival where people hide some directions of the goal's view; "" for none.
 
-    over: the view came no nearer; other: what the place looks like that is most alike.
+    over: the view came no nearer; other: what the place looks like that is most alike; there: the view has passed its
+    minimum.
     """
     now_seen = seen(with_people(HOME, hidden))
     sight = Sight(0, GOAL, seen(HOME), 0.0)
@@ -38,7 +41,7 @@ def met(where: Where = AT_GOAL, hidden: list[int] = HIDDEN, over: bool = True, o
     mapper: Any = SimpleNamespace(map=MAP, view_cache=SimpleNamespace(panorama=views.get))
     senses = Senses(0, now_seen, place=PlaceMatch(OTHER, 0.8, 0.0))
     journey: Any = SimpleNamespace(goal=GOAL)
-    look = Look(HomeVector(0.0, None, 0.0), 0.9, 0.0)
+    look = Look(HomeVector(0.0, None, 0.0), 0.9, 0.0, there)
     reached, note = goal_met(journey, sight, look, Now(senses, where, mapper))
     assert reached == note.startswith("goal reached")
     return note
@@ -77,3 +80,9 @@ def test_a_belief_that_is_not_sure_or_turned_otherwise_is_not_enough(where: Wher
 def test_another_place_that_is_as_alike_is_a_rival() -> None:
     assert MAP.length(GOAL, OTHER) > 1.0
     assert met(other=HOME) == ""
+
+
+def test_a_place_that_looks_more_alike_as_people_hide_the_goal_is_told_from_it_by_the_rest() -> None:
+    """In two corridors alike, amid people, it stood at its goal and another door's view was less unlike."""
+    assert "of 12 directions are as they were" in met(there=True, other=scenery(77))
+    assert met(there=True, other=HOME) == f"looks like the goal, but node {OTHER} looks more alike"

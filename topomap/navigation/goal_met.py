@@ -27,8 +27,9 @@ def goal_met(j: Journey, sight: Sight, look: Look, now: Now) -> tuple[bool, str]
     why = doubt(_claim(j, sight, look, now))
     if not why:
         return True, "goal reached"
+    met, told = _met_in_part(j, sight, now)
     sight.arrival = Arrival()
-    return False, f"looks like the goal, but {why}"
+    return met, told or f"looks like the goal, but {why}"
 
 
 def _pose_met(j: Journey, sight: Sight, now: Now) -> tuple[bool, str]:
