@@ -103,3 +103,28 @@ def test_a_map_judged_anew_judges_its_edges_at_once_and_each_as_alone(monkeypatc
         assert np.array_equal(one.covariances, own.covariances)
         assert np.array_equal(one.stamps_ns, own.stamps_ns)
         assert np.array_equal(one.deltas, own.deltas)
+
+
+def test_a_piece_of_the_chain_is_the_same_cut_from_the_whole_or_taken_edge_by_edge(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    topo = TopoMap()
+    topo.add(Node(0, 0.0, None), None)
+    ways = [replace(increments(0.01 * k, 0.02), stamps_ns=np.arange(10) + 10 * k + 1) for k in range(13)]
+    for k, way in enumerate(ways[:12]):
+        topo.add(Node(10 * k + 10, k + 1.0, None), way)
+
+    def pieces(long: int) -> list[list[list[float]]]:
+        monkeypatch.setattr("topomap.mapping.graph.LONG", long)
+        told = [topo.odometry(place) for place in (0, 1, 4, 11)]
+        return [[one.increments.starts.tolist(), one.increments.deltas.tolist(), one.increments.covariances.tolist()]
+                for one in told]  # fmt: skip
+
+    for change in (
+        lambda: None,
+        lambda: topo.judge(OdometerNoise(2.0, 3.0)),
+        lambda: topo.insert(36),
+        lambda: topo.add(Node(130, 13.0, None), ways[12]),
+    ):
+        change()
+        assert pieces(0) == pieces(10**9)

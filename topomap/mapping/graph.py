@@ -26,6 +26,10 @@ from topomap.mapping.optimizer.problem import ClosureEdge, OdometryEdges, TurnEd
 BETWEEN_DRIVES_NS = 3_600_000_000_000
 """[ns] Time set between two drives whose clocks would overlap, as a simulated clock begins anew with each."""
 
+LONG = 100
+"""Nodes of a piece of the chain from which on it is cut from the whole, which is kept: one by one, 13,438 edges take
+44 ms, the last 8,438 of them 15; cut they take 6 to 9."""
+
 
 class TopoMap:
     """Nodes, their poses, odometry edges along the travelled chain, closures, and turns measured between snapshots.
@@ -203,8 +207,11 @@ class TopoMap:
 
     def odometry(self, place: int = 0) -> OdometryEdges:
         """Return the edges along the chain from a place in it on, in one piece, their covariances as judged."""
-        nodes, edges = np.array(self.chain[place:], np.int64), list(pairwise(self.chain[place:]))
-        increments = EdgeIncrements.of(self._increments.judged(edges)) if place else self._increments.whole(edges)
+        nodes = np.array(self.chain[place:], np.int64)
+        if not place or len(nodes) > LONG:
+            increments = self._increments.whole(list(pairwise(self.chain))).after(place)
+        else:
+            increments = EdgeIncrements.of(self._increments.judged(list(pairwise(self.chain[place:]))))
         return OdometryEdges(nodes[:-1], nodes[1:], increments)
 
     def way(self, a: int, b: int) -> Increments:

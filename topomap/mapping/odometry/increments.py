@@ -162,8 +162,15 @@ class EdgeIncrements:
         last = self.starts[count]
         return EdgeIncrements(self.deltas[:last], self.covariances[:last], self.starts[: count + 1])
 
+    def after(self, count: int) -> EdgeIncrements:
+        """Return the edges without the first ones, as many as count."""
+        first = self.starts[count]
+        return EdgeIncrements(self.deltas[first:], self.covariances[first:], self.starts[count:] - first)
+
     def followed_by(self, other: EdgeIncrements) -> EdgeIncrements:
         """Return these edges and then others."""
+        if len(other.starts) == 1:
+            return self
         return EdgeIncrements(
             np.concatenate([self.deltas, other.deltas]),
             np.concatenate([self.covariances, other.covariances]),
