@@ -133,6 +133,16 @@ def test_a_view_that_is_hidden_in_part_speaks_for_the_place_and_not_against_it()
     assert by_stretch(alike, seen(), hidden=True).elsewhere == by_stretch(alike, seen()).elsewhere
 
 
+def test_a_belief_is_proven_from_a_known_place_on_until_the_robot_may_be_anywhere() -> None:
+    known = Mixture.at(np.array([1.0, 0.5, 0.3]), np.diag([0.04, 0.02, 0.01]), 1e-3)
+    belief = Belief(known, square())
+    assert belief.proven
+    belief.shake(0.5)
+    assert not belief.proven
+    assert not Belief(Mixture.unknown(), square()).proven
+    assert not Belief(known.shaken(0.8), square()).proven
+
+
 def test_what_views_tell_is_as_before() -> None:
     view, rng = seen(), np.random.default_rng(3)
     where, least = view.minima()

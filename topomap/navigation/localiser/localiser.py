@@ -96,6 +96,7 @@ class Localiser:
         where = self._believe(self._belief, panorama, mapper, self._first(mapper, driven))
         event = change.broken or self._mend(where, mapper, driven)
         proven = self._belief.stretches >= STRETCHES and where.lost < SURE
+        self._belief.proven |= proven
         self._unproven = self._lost or (self._unproven and not proven)
         if not watching:
             return replace(where, lost=max(where.lost, UNPROVEN if self._unproven else 0.0), event=event)
