@@ -121,8 +121,8 @@ class Belief:
     def _by_stretch(self, panorama: Panorama, mapper: Mapper, nodes: IntArray, seen: Seen) -> Mixture:
         """Weigh by the last stretch; where the likeliest place is unlike the view, ask what isn't hidden of it.
 
-        That keeps a belief; it finds nobody: of 100 who were set down before doors of the same look, one ended sure and
-        wrong by it.
+        That keeps a belief that whole views have proved; it finds nobody: before other doors of the same look a part is
+        as alike more often.
         """
         self.proven &= self.lost < GONE
         if not self.proven or not self.likeness >= ALIKE:
