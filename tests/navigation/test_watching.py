@@ -67,7 +67,7 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     looks = list[int]()
 
     class Belief:
-        stretches, likeness, lost = 9, 0.2, 0.0
+        stretches, likeness, lost, proven = 9, 0.2, 0.0, False
 
         def __init__(self, mixture: Mixture, topo: object) -> None:
             self.mixture = mixture
