@@ -1,4 +1,4 @@
-"""Amid people who hide half of the view, six of them beside the robot all the way, it finds home and says so."""
+"""Amid people who hide half of the view, six of them beside the robot all the way, it finds home or says that it didn't."""
 
 from __future__ import annotations
 
@@ -6,14 +6,16 @@ import pytest
 
 from topomap.app.disturbed import Disturbance
 from topomap.app.journeys import journeys, teach
+from topomap.bench.journeys import tally
 
 CROWD = ["sim.people={extra=6,beside=6}", "sim.driver.lateral_offset=0.2"]
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("world", "seed"), [("hall", 2), ("room-corridor", 0)])
-def test_home_is_found_amid_a_crowd(world: str, seed: int) -> None:
-    home = next(journeys(teach(world, seed, 0, CROWD), 0, [Disturbance()]))
-    assert home.home, home.notes[-5:]
-    assert home.misled == 0
-    assert home.ratio < 1.3
+@pytest.mark.parametrize(("world", "least"), [("hall", 3), ("room-corridor", 5)])
+def test_home_is_found_amid_a_crowd(world: str, least: int) -> None:
+    """None of the ten was claimed while whole views alone were compared."""
+    made = [next(journeys(teach(world, seed, 0, CROWD), 0, [Disturbance()])) for seed in range(5)]
+    counted = tally(made)
+    assert counted.false == 0
+    assert sum(one.home for one in made) >= least, [one.last for one in made]
