@@ -6,13 +6,14 @@ import itertools
 import json
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
 import numpy as np
 
 from topomap.app.config import load_config
+from topomap.app.made_file import write_made
 from topomap.app.runs import open_world
 from topomap.app.sweep import source_digest, world_digests
 from topomap.app.warm_up import warm_up
@@ -22,7 +23,6 @@ from topomap.bench.pool import Store, workers
 from topomap.core.errors import DataError
 from topomap.core.geometry import Pose2
 from topomap.core.records import Command
-from topomap.evaluation.summary import plain, write_whole
 
 Kind = Literal["none", "lifted", "turned", "slip", "dead", "one wheel", "reset"]
 KINDS: tuple[Kind, ...] = ("lifted", "turned", "slip", "dead", "one wheel", "reset")
@@ -155,9 +155,4 @@ def run_breaks(
 
 def write(made: Sequence[BreakDrive], folder: Path) -> Path:
     """Write every drive with what was said in it. Raises DataError where that can't be done."""
-    path = folder / "breaks.json"
-    try:
-        write_whole(path, json.dumps(plain([asdict(one) for one in made]), indent=1) + "\n")
-    except OSError as error:
-        raise DataError(f"{folder}: can't be written ({error.strerror})") from error
-    return path
+    return write_made(made, folder / "breaks.json")

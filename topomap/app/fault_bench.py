@@ -6,7 +6,7 @@ import itertools
 import json
 import tempfile
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, get_args
 
@@ -16,12 +16,12 @@ from topomap.app.config import load_config
 from topomap.app.drive import drive
 from topomap.app.faulty import FAULTS, Fault, FaultyRobot
 from topomap.app.folder import RunFolder
+from topomap.app.made_file import write_made
 from topomap.app.runs import open_world
 from topomap.app.sweep import source_digest, world_digests
 from topomap.app.wiring import versions
 from topomap.bench.pool import Store, workers
 from topomap.core.errors import DataError, RobotFault, TopomapError
-from topomap.evaluation.summary import plain, write_whole
 
 When = Literal["teaching", "way home"]
 WHEN: tuple[When, ...] = get_args(When)
@@ -148,9 +148,4 @@ def rows(made: Sequence[FaultRun]) -> list[tuple[str, ...]]:
 
 def write(made: Sequence[FaultRun], folder: Path) -> Path:
     """Write every run. Raises DataError where that can't be done."""
-    path = folder / "faults.json"
-    try:
-        write_whole(path, json.dumps(plain([asdict(one) for one in made]), indent=1) + "\n")
-    except OSError as error:
-        raise DataError(f"{folder}: can't be written ({error.strerror})") from error
-    return path
+    return write_made(made, folder / "faults.json")

@@ -5,19 +5,19 @@ from __future__ import annotations
 import itertools
 import json
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 
 from topomap.app.config import load_config
 from topomap.app.disturbed import KINDS, Disturbance, Kind
 from topomap.app.journeys import journeys, teach
+from topomap.app.made_file import write_made
 from topomap.app.runs import open_world
 from topomap.app.sweep import source_digest, world_digests
 from topomap.app.wiring import versions
 from topomap.bench.journeys import Journey
 from topomap.bench.pool import Store, workers
 from topomap.core.errors import DataError
-from topomap.evaluation.summary import plain, write_whole
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,10 +89,4 @@ def run_journeys(
 
 def write(made: Sequence[Journey], folder: Path) -> Path:
     """Write every journey with its notes. Raises DataError where that can't be done."""
-    path = folder / "journeys.json"
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        write_whole(path, json.dumps(plain([asdict(one) for one in made]), indent=1) + "\n")
-    except OSError as error:
-        raise DataError(f"{folder}: can't be written ({error.strerror})") from error
-    return path
+    return write_made(made, folder / "journeys.json")

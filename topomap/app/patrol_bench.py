@@ -7,13 +7,14 @@ import json
 import math
 import tempfile
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from sim2d.robot import SimRobot
 from topomap.app.config import load_config
+from topomap.app.made_file import write_made
 from topomap.app.mission_steps import expected_steps, way_between
 from topomap.app.runs import STEPS_RATIO, STEPS_SPARE, open_world
 from topomap.app.saved_map import SavedMap
@@ -29,7 +30,6 @@ from topomap.core.errors import DataError
 from topomap.core.geometry import Pose2
 from topomap.core.records import Phase, StepRecord, Where
 from topomap.core.robot import Reading
-from topomap.evaluation.summary import plain, write_whole
 from topomap.mapping.graph import TopoMap
 from topomap.mapping.mapfile import load_map, save_map
 from topomap.mapping.mapper import Mapper
@@ -182,10 +182,4 @@ def run_patrols(tasks: Sequence[PatrolTask], store: Store, count: int, progress:
 
 def write(made: Sequence[Patrol], folder: Path) -> Path:
     """Write every leg with its notes. Raises DataError where that can't be done."""
-    path = folder / "patrols.json"
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        write_whole(path, json.dumps(plain([asdict(one) for one in made]), indent=1) + "\n")
-    except OSError as error:
-        raise DataError(f"{folder}: can't be written ({error.strerror})") from error
-    return path
+    return write_made(made, folder / "patrols.json")

@@ -58,7 +58,7 @@ def _met_in_part(j: Journey, sight: Sight, now: Now) -> tuple[bool, str]:
         view = now.mapper.view_cache.panorama(other.node)
         if agreement(now.senses.panorama, view, other.rotation).sectors >= part.sectors:
             return False, ""
-    return True, f"goal reached: {part.sectors} of {SECTORS} directions are as they were, the others are hidden"
+    return True, f"goal reached: {part.sectors} of {SECTORS} directions are as they were, though the whole isn't"
 
 
 def _claim(j: Journey, sight: Sight, look: Look, now: Now) -> Claim:

@@ -30,7 +30,7 @@ LASTING = 0.95
 little between two places alike hangs together from stretch to stretch (by 0.85 between two corridors, by 0.6 in
 `office-loop`): it is how far aside the robot drives and in what light."""
 HIDDEN = 2.0
-"""What a stretch whose view is hidden in part says for being where the rest of it is as it was [nats]: 2.7 by the
+"""What a stretch whose view is hidden in part says for being where the rest of it is as it was [nats]: 2.8 by the
 shares in `hidden`, were neighbouring looks independent."""
 FIRST = 3.0
 """What the first view can say [nats]: 0.3 m aside in `office-loop`, a wrong place looks more like it in 2 of 5."""
